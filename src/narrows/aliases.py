@@ -69,6 +69,8 @@ def accept_aliases(function: Function) -> Function:
 
     def written_without(name: str) -> str:
         stem = name.rpartition("_")[0]
+        if f"{own}.{stem}" in aliases("own_arguments"):  # Not in SI
+            return ""
         if stem in parameters or (stem in aliases("arguments") and takes(stem)):
             return stem
         return name_here(stem, "arguments", takes) or name_here(stem, "objects", parameters.__contains__) or ""
@@ -81,8 +83,8 @@ def accept_aliases(function: Function) -> Function:
             # A name can be that of two arguments (h: a step or a depth): the function has one of them.
             ours = name_here(name, "own_arguments", is_own) or name_here(name, "arguments", takes)
             ours = (ours or name_here(name, "objects", parameters.__contains__) or "").rpartition(".")[2]
-            if not ours and (size := unit_of(name)) and (ours := written_without(name)):
-                value = given[name]
+            if not ours and (stem := written_without(name)) and (size := unit_of(name, stem)):
+                ours, value = stem, given[name]
                 if isinstance(value, list | tuple):
                     given[name] = [size * one for one in value]
                 elif not isinstance(value, str | None):
@@ -108,15 +110,15 @@ def accept_aliases(function: Function) -> Function:
     return called  # type: ignore[return-value]
 
 
-def unit_of(name: str) -> float | None:
-    """Return the unit at the end of a name, such as ``speed_knots`` [SI]."""
-    stem, _, unit = name.rpartition("_")
-    return import_module("narrows.quantities.names").NAME_UNITS.get(unit) if stem else None
+def unit_of(name: str, ours: str) -> float | None:
+    """Return the unit at the end of a name, such as ``speed_knots``, of an argument or attribute [SI]."""
+    unit: float | None = import_module("narrows.quantities.names").unit_at_end(name, ours)
+    return unit
 
 
 def _in_si(name: str, value: Any) -> Any:
     """Return a speed that is written with its unit in m/s."""
-    is_written = isinstance(value, str) and name in ("u", "speed")
+    is_written = isinstance(value, str) and name in ("u", "v", "speed")
     return import_module("narrows.quantities.names").metres_per_second(value) if is_written else value
 
 

@@ -230,6 +230,10 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
     "voyage.plot(1)": (lambda: voyage().plot(1), "is no Axes of Matplotlib"),  # type: ignore[arg-type]
     'nw.forces(delta="10deg")': (lambda: nw.forces(STEERED, u=1.0, delta="10deg"), "give radians, as np.radians"),  # type: ignore[attr-defined]
+    "nw.simulate(y_deg=)": (lambda: nw.simulate(DTC, y_deg=5.0), "no argument 'y_deg'"),
+    "nw.turning_circle(rudder_rad=)": (lambda: nw.turning_circle(KCS, rudder_rad=0.5), "no argument|unexpected"),  # type: ignore[call-arg]
+    "voyage.y_deg": (lambda: voyage().y_deg, "Voyage has no 'y_deg'"),  # type: ignore[attr-defined]
+    "nw.with_helm": (lambda: nw.with_helm, r"by its name with \+helm"),  # type: ignore[attr-defined]
     "model.coefficients.b_banck": (lambda: DTC.coefficients.b_banck, "did you mean 'b_bank'"),  # type: ignore[attr-defined]
     "outcome.success": (lambda: voyage().outcome.success, "write kind"),  # type: ignore[attr-defined]
     "loop.step()": (
@@ -441,7 +445,8 @@ assert nw.simulate(pub, y_m=0.5, psi_deg=2.0, u_knots=1.0).u[0] == 1852 / 3600 a
 assert np.allclose(np.radians(voyage.heading_deg), voyage.psi) and voyage.speed_knots[0] == 3600 / 1852
 assert nw.ensemble(pub, speed_knots=[1.0, 2.0]).u.values[1] == 2 * 1852 / 3600
 assert nw.squat(kcs, speed_kmh=18.0) == nw.squat(kcs, 5.0) and nw.turning_circle(kcs, speed_knots=12).advance > 0
-assert nw.list_models() == nw.published()
+assert nw.list_models() == nw.published() and nw.simulate(pub, v="0.1 m/s", duration=1.0).v_kn[0] == 360 / 1852
+assert pub.scale(100.0).model.coefficients.b_v and pub.with_canal(width=8.0).coefficients.b_v
 assert voyage.plot("chart.png").axes and plt.imread("chart.png").std() > 0
 assert tests[0].names == tests.names[:1] and len(tests[:2]) == 2 and tests.n_tests == len(tests)
 assert nw.safe_speed is nw.safe_envelope and model.describe() == model.info() == model.summary()

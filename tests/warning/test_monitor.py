@@ -172,3 +172,8 @@ def test_a_monitor_in_python_warns_and_names_what_it_takes() -> None:
         one.update(6.0, y=4.0)
     with pytest.raises(nw.InputError, match="give a waterway with its origin"):
         one.update(6.0, "$HEHDT,10.0,T*1E")
+    for told, where in (([1, 2], {}), (["$HEHDT,10.0,T*1E"], {"x": 1.0}), (3, {})):
+        with pytest.raises(nw.InputError, match="give sentences, or else numbers by name"):
+            one.update(6.0, told, **where)
+    with pytest.raises(nw.InputError, match="is no time"):
+        one.update("a", x=1.0, y=2.0)

@@ -37,6 +37,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.quantities.names import GRAVITY, KNOT
+from narrows.results import Named
 from narrows.ship.actuators import Part, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_number, is_finite
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
@@ -128,7 +129,7 @@ def estimated(
     return Model(
         replace(configuration, propeller=driven, rudder=steered),
         table_named(TABLE),
-        coefficients,
+        Named(coefficients),
         covariance=covariance,
         data_range=DataRange(
             speed=(0.0, 0.25 * math.sqrt(GRAVITY * known.length)),  # Tests behind the formulas were no faster

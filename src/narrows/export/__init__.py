@@ -19,6 +19,10 @@ def __getattr__(name: str) -> Any:
     raise AttributeError(f"nw.export has no {name!r}{public_name(name, __all__)}")
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 class _Export(ModuleType):
     __call__ = staticmethod(write)
 

@@ -44,7 +44,9 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     The files have rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that
     simulation in Python uses. Their names begin with the name of the file.
 
-    The kinds are c, js, python, matlab, fmu, page, latex and bank-force, each with suffixes of its own (``EXPORTERS``).
+    The kinds and their suffixes are c (``.h``, ``.hpp``), js (``.mjs``, ``.js``, ``.tgz`` for npm), python (``.py``),
+    matlab (``.m``, ``.c`` for Simulink), fmu (``.fmu``), page (``.html``), latex (``.tex``) and bank-force (``.h``,
+    ``.cs``, ``.mjs``, ``.m``, ``.fmu``); ``EXPORTERS`` describes each. FMUs and pages need ziglang (the extra ``fmu``).
 
     Parameters
     ----------

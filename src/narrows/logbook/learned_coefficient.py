@@ -13,7 +13,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
-from narrows.results import Aliased, BaseResult
+from narrows.results import Aliased, BaseResult, Named
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
 QUANTILE_95 = 1.959964  # Half-width of the central 95 % of a normal distribution [standard errors]
@@ -158,7 +158,7 @@ def learned_model(
     }  # fmt: skip
     model = replace(
         prior,
-        coefficients={name: c.value for name, c in learned.items()},
+        coefficients=Named({name: c.value for name, c in learned.items()}),
         covariance=(covariance + covariance.T) / 2,
         data_range=covered_range(prior, *((float(part.min()), float(part.max())) for part in (offsets, speeds))),
         source=replace(prior.source, text="; ".join(filter(None, (prior.source.text, source)))),

@@ -10,7 +10,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import argument_names
-from narrows.results import BaseResult
+from narrows.results import BaseResult, Named
 from narrows.ship.particulars import Configuration
 from narrows.terms import additions
 from narrows.terms.term import DepthLaw, TermKind, TermTable
@@ -118,7 +118,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     moved = replace(
         model,
         configuration=replace(old, canal=replace(old.canal, depth=depth)),
-        coefficients={name: value * factors.get(name, 1.0) for name, value in model.coefficients.items()},
+        coefficients=Named({name: value * factors.get(name, 1.0) for name, value in model.coefficients.items()}),
         covariance=None if model.covariance is None else model.covariance * np.outer(grown, grown),
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
@@ -159,7 +159,9 @@ def extend(
             places = [terms.names.index(name) for name in names]
             whole[np.ix_(places, places)] = part
     values = {**model.coefficients, **coefficients}
-    return replace(model, terms=terms, coefficients={name: values[name] for name in terms.names}, covariance=whole)
+    return replace(
+        model, terms=terms, coefficients=Named({name: values[name] for name in terms.names}), covariance=whole
+    )
 
 
 @accept_aliases

@@ -15,7 +15,7 @@ from narrows.model.model import Model
 from narrows.model.water import ship_mass
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
-from narrows.results import BaseResult
+from narrows.results import BaseResult, Named
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Water
@@ -346,7 +346,7 @@ def dimensional(
     """
     units = units_of(model.configuration, system, speed)
     known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
-    return replace(model, coefficients={**numbers, **known}, covariance=None)
+    return replace(model, coefficients=Named({**numbers, **known}), covariance=None)
 
 
 # Scale in a ship's name, as in ``KCS 1:52.667``, valid for every size of the ship.

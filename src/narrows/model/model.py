@@ -334,7 +334,7 @@ class Model(Configured, Operations):
         terms = without_bank(self.terms)
         indices = [self.terms.names.index(name) for name in terms.names]
         return replace(
-            self, terms=terms, coefficients={name: self.coefficients[name] for name in terms.names},
+            self, terms=terms, coefficients=Named({name: self.coefficients[name] for name in terms.names}),
             covariance=None if self.covariance is None else self.covariance[np.ix_(indices, indices)],
             verdicts={name: verdict for name, verdict in self.verdicts.items() if name in terms.names},
         )  # fmt: skip

@@ -1,7 +1,7 @@
 """The sections of a model file and the corresponding fields of a model."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ from narrows.model.data_range import DataRange, Range
 from narrows.results import Named
 from narrows.ship.particulars import Configuration, given_values
 from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from, section_of
+from narrows.terms.additions import rudder_asymmetries
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
@@ -72,12 +73,15 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
         raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
     sections = {name: table for name, table in tables.items() if name in parts}
     covered = {name: _pair(name, pair) for name, pair in tables.get("data_range", {}).items()}
+    # Files from before the rudder had asymmetries of its own: these are zero.
+    later = rudder_asymmetries(terms)
+    later = () if set(later) & tables["coefficients"].keys() else later
     cited = {name: str(text) for name, text in tables.get("source", {}).items()}
     return {
         "configuration": configuration_from(sections, "its setting", actuators),
         "terms": terms,
-        "coefficients": Named(tables["coefficients"]),
-        "covariance": _covariance(tables.get("covariance"), terms),
+        "coefficients": Named({**tables["coefficients"], **dict.fromkeys(later, 0.0)}),
+        "covariance": _covariance(tables.get("covariance"), terms, later),
         "data_range": section_of(DataRange, "data_range", covered),
         "verdicts": tables.get("verdicts", {}),
         "source": section_of(Source, "source", cited),
@@ -108,13 +112,13 @@ def _is_covariance(matrix: np.ndarray) -> bool:
     return bool((np.diag(matrix) >= 0).all() and np.linalg.eigvalsh(scaled).min() > -1e-6)
 
 
-def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
+def _covariance(section: dict[str, Any] | None, terms: TermTable, later: Sequence[str]) -> np.ndarray | None:
     if section is None:
         return None
     fault = InputError("[covariance] does not have one row and one column for each coefficient; mend it")
     try:
-        names = list(section["names"])
-        matrix = np.array(section["matrix"], dtype=float)
+        names = [*section["names"], *later]
+        matrix = np.pad(np.array(section["matrix"], dtype=float), (0, len(later)))
     except (KeyError, TypeError, ValueError, OverflowError):
         raise fault from None
     if matrix.shape != (len(names), len(names)) or sorted(map(str, names)) != sorted(terms.names):

@@ -85,9 +85,18 @@ SPEED_UNITS = {
     **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
 }  # fmt: skip
 
-# Units at the end of a name, such as ``psi_deg`` and ``speed_knots`` [SI].
-NAME_UNITS = {unit.replace("/", ""): size for unit, size in SPEED_UNITS.items() if unit} | {"deg": DEGREE, "rad": 1.0}
-NAME_UNITS |= dict.fromkeys(("m", "s"), 1.0)
+# Units at the end of a name, such as ``speed_knots`` and ``psi_deg``, by the first pattern that it matches [SI].
+NAME_UNITS = {
+    r"(?:.*_)?(?:u|v|speeds?|current)": {unit.replace("/", ""): size for unit, size in SPEED_UNITS.items() if unit},
+    r"(?:.*_)?(?:psi|heading|rudder|r)": {"deg": DEGREE, "rad": 1.0},
+    ".*": {"m": 1.0, "s": 1.0},
+}
+
+
+def unit_at_end(name: str, ours: str) -> float | None:
+    """Return the unit at the end of a name, such as ``psi_deg``, of the quantity ``ours`` [SI], if there is one."""
+    stem, _, unit = name.rpartition("_")
+    return next(units.get(unit) for own, units in NAME_UNITS.items() if re.fullmatch(own, ours)) if stem else None
 
 
 def metres_per_second(text: str) -> float | str:

@@ -88,7 +88,8 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     if field := name_here(name, "arguments", fields.__contains__):
         return getattr(thing, field)
     stem = name.rpartition("_")[0]
-    if (size := unit_of(name)) and (stem in known or name_here(stem, "attributes", lambda row: _head(row) in known)):
+    own = stem if stem in known else name_here(stem, "attributes", lambda row: _head(row) in known)
+    if own and (size := unit_of(name, own.rpartition(".")[2])):
         value = getattr(thing, stem)
         if not callable(value):
             return np.divide(value, size)
@@ -107,8 +108,9 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
-    own = {*columns, *fields, *(it for kind in kinds for it in vars(kind))}
-    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"}, cutoff=0.75)
+    words = {*columns, *fields, *(it for kind in kinds for it in vars(kind))}
+    shown = {word for word in words if word[0] != "_"}
+    other = f"; write {remedy}" if remedy else did_you_mean(name, shown, cutoff=0.75)
     raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
 
 

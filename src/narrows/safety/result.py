@@ -80,7 +80,11 @@ class SafeEnvelope(BaseResult):
         "trust", "Uncertainties that the result does not include, in sentences; empty if there are none."
     )
     pilot = _attribute("pilot_words", "The pilot in words.")
-    samples = _attribute("samples", "Number of cases at each offset and speed.")
+
+    @property
+    def samples(self) -> int:
+        """Number of cases at each offset and speed."""
+        return int(self.data.attrs["samples"])
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -4,13 +4,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import pandas as pd
+
 from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.estimation.filter_run import checked_readings
 from narrows.model.model import Model
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import sentences
 from narrows.results import Aliased
+from narrows.ship.checks import is_finite
+from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.warning.alerts.alert import Alert
 from narrows.warning.inputs.bridge_readings import NEEDED, Messages, Tick
 from narrows.warning.monitoring.bridge_monitor import MEASURES, BridgeMonitor
@@ -52,6 +56,8 @@ class Monitor(Aliased):
     def __init__(
         self, model: Model, waterway: Waterway | None = None, line: float = 0.0, members: int = MEMBERS
     ) -> None:
+        check_waterway(waterway)
+        line = finite_numbers(line=line)["line"]
         water = waterway or straight_waterway(model.canal, CANAL_LENGTHS * model.ship.length)
         # Only sentences need a place on earth.
         self._is_placed = water.origin is not None
@@ -71,12 +77,18 @@ class Monitor(Aliased):
 
         They are NMEA 0183 sentences, or numbers along the waterway by the names of sensors, as for
         ``Estimator.update``, or of states: x, y [m], psi, rudder [rad], u [m/s] through the water, r [rad/s]; also by
-        keyword (``named``). Raises an InputError for an unknown name, and for a sentence without a place on earth.
+        keyword (``named``). Raises an InputError for an unknown name, what is no reading or time, and for a sentence
+        without a place on earth.
         """
-        if isinstance(readings, str | bytes) or (isinstance(readings, Sequence) and not named):
-            messages = self._decoded(t, [readings] if isinstance(readings, str | bytes) else readings)
+        if not is_finite(t):
+            raise InputError(f"t = {shown(t)} is no time; give seconds, then the readings")
+        if readings is None or isinstance(readings, Mapping | pd.Series):
+            messages = self._messages(t, {**({} if readings is None else readings), **named})
         else:
-            messages = self._messages(t, {**(readings or {}), **named})
+            lines = [readings] if isinstance(readings, str | bytes) else readings
+            if named or not (isinstance(lines, Sequence) and all(isinstance(line, str | bytes) for line in lines)):
+                raise InputError(f"readings = {shown(readings)}: give sentences, or else numbers by name")
+            messages = self._decoded(t, lines)
         self.status = self.engine.watch(messages, t)
         return self.status
 
