@@ -121,7 +121,7 @@ def row(
 
 def warned(fit: nw.Fit, coefficient: str, name: str, size: float, truth: float) -> bool:
     """Whether limits or tipping points of a coefficient name the error, with a size below the one that was put in."""
-    scale = float(fit.motions.features["reach"].max()) / REACH if "with y" in name else 1.0
+    scale = float(fit.motions.features["reach"].max()) / REACH if "proportional to y" in name else 1.0
     told = (fit.estimates.limits if truth else fit.estimates.tipping)[coefficient]
     return any(effect.name.startswith(name) and least < size * scale for effect, least in told)
 

@@ -141,6 +141,13 @@ def test_measured_motions_that_were_left_out_are_inside_their_intervals(kcs: nw.
         assert 0.9 <= one.held <= 0.98, one.sentence
 
 
+def test_discrepancies_of_the_hull_are_all_small_if_the_terms_fit(fit: nw.Fit, kcs: nw.Fit) -> None:
+    """The twin is of the fitted terms; the median of the prior is 0.34."""
+    twin, measured_hull = (one.error_scales["Y and N"]["hull discrepancy"] for one in (fit, kcs))
+    assert twin < 0.3
+    assert measured_hull > 0.8
+
+
 class TwoHills:
     """A density of two normal hills, half each, of which the search finds the first."""
 

@@ -1,12 +1,15 @@
 """Tests at several depths together: hulls of their own, one bank, and whether it changes."""
 
 import json
+from functools import partial
 
 import numpy as np
 import pytest
 
 import narrows as nw
 from narrows.captive.measured import measured_files
+from narrows.identification import estimates
+from narrows.identification.mixed_model import integrate
 from narrows.identification.resampling import DepthTest
 from narrows.terms.additions import pooled
 from narrows.terms.tables import table_named
@@ -65,11 +68,18 @@ def test_a_model_of_several_depths_is_kept_in_a_file(kcs: nw.Fit, tmp_path) -> N
     assert table_named("paper@0.246,0.3075,0.41").names == kcs.terms.names
 
 
-def test_hulls_are_those_of_each_depth_and_the_bank_is_better_known(kcs: nw.Fit, kcs_fits: dict[int, nw.Fit]) -> None:
+def test_hulls_are_those_of_each_depth(kcs: nw.Fit, kcs_fits: dict[int, nw.Fit]) -> None:
     for fit, depth in zip(kcs_fits.values(), (0.41, 0.3075, 0.246), strict=True):
         assert kcs.coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.04)
-        assert kcs.std["b_bank"] < fit.std["b_bank"]
     assert len(kcs.motions) == 36
+
+
+def test_the_bank_is_better_known_by_all_depths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By four times the usual points, as 128 repeat a standard error to 4 %, and the depths differ by 2 %."""
+    monkeypatch.setattr(estimates, "integrate", partial(integrate, points=512))
+    tests = nw.measured_tests("kcs")
+    alone = [nw.identify(part).std["b_bank"] for part in tests.by_condition().values()]
+    assert nw.identify(tests, pool="depth").std["b_bank"] < min(alone)
 
 
 def test_whether_the_bank_changes_with_depth_is_tested() -> None:

@@ -14,6 +14,7 @@ Geweke (1989), Bayesian inference in econometric models using Monte Carlo integr
 Raftery, Bao (2010), Estimating and projecting trends in HIV/AIDS generalized epidemics using incremental mixture
 importance sampling: a mode is added where one point outweighs the others.
 Ionides (2008), Truncated importance sampling: the weights.
+Carvalho, Polson, Scott (2010), The horseshoe estimator for sparse signals: scales that are multiples of a global one.
 """
 
 from collections.abc import Callable
@@ -78,6 +79,7 @@ class MixedModel:
     freedom: np.ndarray  # (scales,) Degrees of freedom of each prior; with many it is half-normal
     absorbed: np.ndarray  # (p, q) Part of each effect that a coefficient of the best-fitting terms absorbs
     confounding_scales: tuple[int, ...] = ()  # Scales of effects that may replace a coefficient
+    multiples: tuple[int, ...] = ()  # Scales that are multiples of a global one, the last
 
     @property
     def fixed(self) -> int:
@@ -132,6 +134,7 @@ class MixedModel:
             slope[:errors] += scale[:errors] ** 2 * (
                 ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
             )
+        slope[-1:] += slope[list(self.multiples)].sum()
         # Derivative of the logarithm of each scale to its coordinate: normal density over half-t density.
         ratio = self._ratio(z)
         return np.asarray(slope * 0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio - z)
@@ -139,14 +142,14 @@ class MixedModel:
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
         variances = self.scales(z)[: self.shared.shape[1]] ** 2
         block, shared = np.searchsorted(self.starts, rows, side="right"), self.shared[rows]
-        same = block[:, None] == block
-        return np.asarray(
-            same * ((shared * variances) @ shared.T) + np.diag(self.noise[rows] + self.independent[rows] @ variances)
-        )
+        common = (block[:, None] == block) * ((shared * variances) @ shared.T)
+        return np.asarray(common + np.diag(self.noise[rows] + self.independent[rows] @ variances))
 
     def scales(self, z: np.ndarray) -> np.ndarray:
         """Return the scales, half-t quantiles of the normal probability of z, and 1 for effects of no learned scale."""
-        return np.append(self.prior * self._ratio(z), 1.0)
+        scale = self.prior * self._ratio(z)
+        scale[list(self.multiples)] *= scale[-1:]
+        return np.append(scale, 1.0)
 
     def _ratio(self, z: np.ndarray) -> np.ndarray:
         from scipy import special

@@ -20,6 +20,8 @@ DAMPING, INERTIA, HULL, BANK, SHAPE = "damping", "inertia", "hull form", "bank f
 WITH_OFFSET = "with offset"
 TYPES, STRAIGHT, CAMPAIGN, CLOCK = "types of run", "straight runs", "campaign", "clock"
 SETTLING, CROSSTALK = "settling", "crosstalk"
+# The groups of the hull's discrepancies, and their global scale: if the terms fit the forces, all of them are small.
+HULL_GROUPS, DISCREPANCY = (DAMPING, INERTIA, HULL), "hull discrepancy"
 # Effects whose columns hold measured forces: learning their scale would explain the forces by themselves.
 FIXED = "fixed"
 # Usual sizes, by which the scales' priors are stated: shares of a term or of a force's level, or the effect's unit.
@@ -30,10 +32,12 @@ SIZES = {
     "bank form": 0.004, "type of run": 0.004, "bank lag": 0.05, "straight zero": 0.01, "straight offset": 0.004,
     "heading": 0.03, "rail": 0.003, "clock": 0.02, "crosstalk": 0.001, "common zero": 0.005, "side force": 0.005,
     "settling": 0.01, "curvature": 0.001, "mount": 0.0025,
+    DISCREPANCY: 0.5,  # the usual sizes of the hull, those of the KCS, are at two standard deviations
     "force with y": 0.0003, "heading with y": 0.004, "rudder with y": 0.02, "crossflow with y": 0.01,
 }  # fmt: skip
-# Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
+# Degrees of freedom of the half-t priors where they are not 3: few where an error may be large, many of a half-normal.
 FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTLING: 2.0, CROSSTALK: 4.0}
+FREEDOM[DISCREPANCY] = 1e6
 # Groups that may mimic a coefficient, or another of these groups.
 RIVALS = (f"{INERTIA} by speed", f"{INERTIA} by period", SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK)
 # Trends of less than this, in logarithms or octaves, count as one level.
@@ -151,11 +155,10 @@ def _hull(rows: ForceRows) -> Iterator[EffectRow]:
         if rows.mixed and kind == DAMPING:
             still = rows.of(f, slope * rows.steady)
             yield f"{term.name} in straight runs", still, SIZES["damping in straight runs"], HULL, ""
+    others = dict.fromkeys(("v3", "r3", "|r|v", "|v|r"), "other hull terms") | dict.fromkeys(("v y2", "r y2"), "walls")
     for f in rows.lateral:
-        for name in ("v3", "r3", "|r|v", "|v|r"):
-            yield _scaled(rows, f, name, SIZES["other hull terms"], HULL)
-        for name in ("v y2", "r y2"):
-            yield _scaled(rows, f, name, SIZES["walls"], HULL)
+        for name, kind in others.items():
+            yield _scaled(rows, f, name, SIZES[kind], HULL)
 
 
 def _scaled(rows: ForceRows, f: int, name: str, usual: float, group: str) -> EffectRow:
@@ -239,15 +242,13 @@ def _motion(rows: ForceRows, configuration: Configuration) -> Iterator[EffectRow
 
 def _gauges(rows: ForceRows) -> Iterator[EffectRow]:
     """Errors of the gauges that all runs share, and a side force of the hull."""
-    fitted, early = rows.fitted(rows.columns), rows.fitted(rows.early)
+    fitted, early, still = rows.fitted(rows.columns), rows.fitted(rows.early), rows.all(rows.steady) * rows.mixed
     for f, (force, level) in enumerate(zip(rows.forces, rows.level, strict=True)):
         one, unit = rows.of(f, rows.raw(ONE)), FORCES[force].unit
         yield f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit
-        if rows.mixed:
-            still = rows.all(rows.steady)
-            yield f"zero of {force} in straight runs", one * still, SIZES["straight zero"] * level, STRAIGHT, unit
-            gain = rows.of(f, fitted[f]) * still / 100
-            yield f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%"
+        yield f"zero of {force} in straight runs", one * still, SIZES["straight zero"] * level, STRAIGHT, unit
+        gain = rows.of(f, fitted[f]) * still / 100
+        yield f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%"
         yield f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], SETTLING, ""
         if force != "X":
             yield _scaled(rows, f, "u2", SIZES["side force"], CAMPAIGN)
@@ -261,7 +262,7 @@ def _gauges(rows: ForceRows) -> Iterator[EffectRow]:
 
 def _effects(rows: ForceRows, errors: RunErrors, configuration: Configuration) -> tuple[list[Effect], list[np.ndarray]]:
     """The effects with a force and a size, and their columns, each of a usual size."""
-    multiples = dict.fromkeys((HULL, DAMPING, INERTIA), errors.hull) | dict.fromkeys((BANK, SHAPE), errors.bank)
+    multiples = dict.fromkeys(HULL_GROUPS, errors.hull) | dict.fromkeys((BANK, SHAPE), errors.bank)
     tables = [] if errors.none else [_hull(rows)]
     if tables and rows.lateral:
         tables += [_bank(rows), _with_offset(rows, configuration), _motion(rows, configuration), _gauges(rows)]
@@ -288,6 +289,8 @@ def assemble(
     runs = {name: parts for name, parts in _run_errors(rows, errors).items() if parts[0] > 0 and not errors.none}
     priors = {name: size for name, (size, _, _) in runs.items()}
     priors |= {effect.group: 1.0 for effect in effects if effect.group != FIXED}
+    hull = tuple(i for i, name in enumerate(priors) if name.startswith(HULL_GROUPS))
+    priors |= {DISCREPANCY: SIZES[DISCREPANCY]} if len(hull) > 1 else {}
     places = {name: i for i, name in enumerate((*priors, FIXED))}
     model = MixedModel(
         tuple(priors), x, rows.y,
@@ -300,6 +303,7 @@ def assemble(
         freedom=np.array([FREEDOM.get(name, 3.0) for name in priors]),
         absorbed=_absorbed(rows, x, effects),
         confounding_scales=tuple(places[name] for name in RIVALS if name in places),
+        multiples=hull if len(hull) > 1 else (),
     )  # fmt: skip
     return model, effects, unit
 
@@ -314,19 +318,16 @@ def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, tuple[float, np
     measured = [rows.reference[:, rows.names[force]] for force in rows.forces]
     square = [np.repeat(np.add.reduceat(force**2, rows.starts), rows.sizes) / sizes for force in measured]
     along, around = np.sqrt(0.5) * fitted * rows.of_mean, 0.5 * np.stack(square) * rows.of_mean
-    return {
+    parts = {
         "gain": (errors.gain, (fitted / np.sqrt(runs)).ravel(), none),
         "form of the bank": (SIZES["bank form"] * errors.bank, bank.ravel(), none),
         "scatter": (errors.scatter, none, scatter.ravel()),
-        **{
-            f"form of {n}": (errors.form, rows.of(f, along[f]), rows.of(f, around[f]))
-            for f, n in enumerate(rows.forces)
-        },
-        **{
-            f"zero of {force}": (errors.zero, rows.of(f, rows.level[f] * one / np.sqrt(runs)), none)
-            for f, force in enumerate(rows.forces)
-        },
     }
+    for f, force in enumerate(rows.forces):
+        parts[f"form of {force}"] = errors.form, rows.of(f, along[f]), rows.of(f, around[f])
+    for f, force in enumerate(rows.forces):
+        parts[f"zero of {force}"] = errors.zero, rows.of(f, rows.level[f] * one / np.sqrt(runs)), none
+    return parts
 
 
 def _absorbed(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
@@ -334,7 +335,7 @@ def _absorbed(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarr
     # A hull coefficient is the one that fits the forces on the hull best; a bank's is the slope at the centreline.
     p = len(rows.free_parameters)
     hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)
-    changes = np.array([effect.group.split(" by ")[0] in (DAMPING, INERTIA, HULL) for effect in effects], bool)
+    changes = np.array([effect.group.startswith(HULL_GROUPS) for effect in effects], bool)
     absorbed = np.zeros((p, len(effects)))
     scaled = x * rows.weights()[:, None]
     a = scaled[:, hull]
