@@ -76,7 +76,7 @@ def read_calibration() -> Calibration:
 # Form of the bank force of the evidence; suction and cushion of a ship without bank tests; the widths and the least
 # clearance of the evidence over the beam: by ``decisions/bank_evidence.py``.
 FORM = "distance"
-BANK_PRIOR = {"Y_bank": Uncertain(0.0992668324, 0.288899080), "N_bank": Uncertain(0.140437350, 0.126274138)}
+BANK_PRIOR = {"Y_bank": Uncertain(0.0986855111, 0.289029546), "N_bank": Uncertain(0.140856833, 0.126160067)}
 EVIDENCE_WIDTHS, LEAST_CLEARANCE = (8.0, 12.2), 0.2
 
 
