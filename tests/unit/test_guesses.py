@@ -542,3 +542,15 @@ def test_every_answer_names_something_that_exists() -> None:
         for name in re.findall(r"^[\w.]+(?=$|\(|,| or )|(?<= or )[\w.]+(?=$|\(|,)", row):
             if name.partition(".")[0] not in {*results, "help", "8"}:
                 assert attrgetter(name)(nw) is not None, row
+
+
+def test_verbs_show_a_model_and_its_zigzags_under_other_names(cli: Callable[..., tuple[int, str, str]]) -> None:
+    code, out, err = cli("info", "mikkelsen2025_dtc")
+    assert code == 0, err
+    assert "b_bank" in out
+    shown = json.loads(cli("show", "estimated_kcs", "--json")[1])
+    assert [row["ship"] for row in shown["ships"]] == ["KCS"]
+    assert shown["notes"]
+    code, out, err = cli("zigzag", "yasukawa2015_kvlcc2", "--speed", 1.179, "--zigzags", "10/10")
+    assert code == 0, err
+    assert "10/10" in out

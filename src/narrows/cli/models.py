@@ -9,7 +9,7 @@ import click
 import narrows as nw
 from narrows.cli.options import Argument, AsJson, Delivery, ModelFile, Option, PlainModelDelivery, Speed, verb
 from narrows.cli.voyages import HelmOptions, PhysicsOptions, WaterOptions
-from narrows.empirical.fleet import model_named
+from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.errors import InputError
 from narrows.export.exporters import EXPORTERS
 
@@ -17,6 +17,7 @@ from narrows.export.exporters import EXPORTERS
 WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
 *_FIRST, _LAST = dict.fromkeys(suffix for exporter in EXPORTERS.values() for suffix in exporter.suffixes)
 WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
+MODEL_TO_SHOW = "Model to show: a model file, or the name of a published model."
 
 
 @verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
@@ -134,11 +135,16 @@ def estimate(
 
 
 @verb("narrows ships")
-def ships(json: AsJson = False) -> None:
-    """List the available ships: each name replaces a model file."""
-    from narrows.report.printed_tables import print_ships
+def ships(model: Annotated[str | None, Argument(help=MODEL_TO_SHOW)] = None, json: AsJson = False) -> None:
+    """List the available ships, or show one model.
 
-    table = nw.ready_ships()
-    summary = f"{len(table)} ships; each name replaces a model file"
-    shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []}
-    Delivery(json=json).show(lambda: shown, lambda: print_ships(table))
+    Each name of the list replaces a model file.
+    """
+    from narrows.report.printed_tables import print_model, print_ships
+
+    one = model_named(model) if model is not None else None
+    table = nw.ready_ships() if model is None else table_of_ships([model])
+    summary = one.summary() if one else f"{len(table)} ships; each name replaces a model file"
+    notes = list(one.notes) if one else []
+    shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": notes}
+    Delivery(json=json).show(lambda: shown, lambda: print_model(one) if one else print_ships(table))

@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
@@ -97,9 +97,14 @@ def ready_ships() -> "pd.DataFrame":
     >>> "estimated_kcs" in nw.ready_ships().index
     True
     """
+    return table_of_ships(published())
+
+
+def table_of_ships(names: Iterable[str]) -> "pd.DataFrame":
+    """Return a row for each model file or published name."""
     import pandas as pd
 
-    rows = {name: _row(name, published(name)) for name in published()}
+    rows = {name: _row(name, model_named(name)) for name in names}
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("name")
 
 

@@ -163,6 +163,13 @@ def print_estimate(model: "Model") -> None:
     _print_rest(console, model)
 
 
+def print_model(model: "Model") -> None:
+    heads = {"value" if head == "estimate" else head: form for head, form in ESTIMATE_COLUMNS.items()}
+    rows = model.to_dataframe().loc[_main_terms(model)].rename_axis("index").reset_index().to_dict("records")
+    print_result(model, table_of(heads, rows, left=("", "unit"), no_wrap=True))
+    _print_rest(console_of(), model)
+
+
 def _main_terms(model: "Model") -> list[str]:
     """Return the coefficients to print: those of the banks of a long table, or all."""
     banks = [term.name for term in model.terms.terms if term.from_bank]
