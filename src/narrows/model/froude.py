@@ -178,7 +178,7 @@ def scale_model(
     scaled = replace(
         model,
         configuration=configuration,
-        coefficients=coefficients,
+        coefficients=Named(coefficients),
         covariance=None if model.covariance is None else model.covariance * np.outer(factors, factors),
         data_range=DataRange(**ranges),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
