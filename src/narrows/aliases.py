@@ -75,8 +75,17 @@ def accept_aliases(function: Function) -> Function:
             return stem
         return name_here(stem, "arguments", takes) or name_here(stem, "objects", parameters.__contains__) or ""
 
+    def in_units(name: str, value: Any) -> Any:
+        """Return a number that is written with its unit in the argument's own: SI, or degrees."""
+        if not isinstance(value, str) or name not in (*aliases("arguments"), "speed", "heading"):
+            return value
+        names = import_module("narrows.quantities.names")
+        number = names.in_si(value, name)
+        return number / names.DEGREE if f"{own}.{name}" in aliases("own_arguments") and number != value else number
+
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
+        given = _with_parts(parameters, [*parameters][len(values) :], given)
         for name in given.keys() - parameters.keys():
             if more and name in aliases("arguments"):
                 continue
@@ -95,8 +104,8 @@ def accept_aliases(function: Function) -> Function:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
             elif meant := name_here(name, "other_arguments", names_own):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
-        values = (*map(_in_si, parameters, values), *values[len(parameters) :])
-        given = {name: _in_si(name, value) for name, value in given.items()}
+        values = (*map(in_units, parameters, values), *values[len(parameters) :])
+        given = {name: in_units(name, value) for name, value in given.items()}
         if place is not None and len(values) > place:
             values = (*values[:place], _model_of(values[place]), *values[place + 1 :])
         elif place is not None and "model" in given:
@@ -116,10 +125,28 @@ def unit_of(name: str, ours: str) -> float | None:
     return unit
 
 
-def _in_si(name: str, value: Any) -> Any:
-    """Return a speed that is written with its unit in m/s."""
-    is_written = isinstance(value, str) and name in ("u", "v", "speed")
-    return import_module("narrows.quantities.names").metres_per_second(value) if is_written else value
+def _with_parts(parameters: Any, free: list[str], given: dict[str, Any]) -> dict[str, Any]:
+    """Return arguments with a ship and a canal made of their dimensions, where a function takes those parts."""
+    if not given.keys() - parameters.keys():
+        return given
+    import narrows
+
+    parts, rest = {"ship": narrows.Ship, "canal": narrows.Canal}, dict(given)
+    # Both parts in one argument, unless that is given.
+    whole = next((name for name in free if "Configuration" in str(parameters[name].annotation)), "")
+    whole = whole if isinstance(given.get(whole, narrows.Ship), narrows.Ship | type) else ""
+    for part, kind in parts.items():
+        if (part in free and part not in given) or (whole and part not in parameters.keys() - {whole}):
+            fields = kind.__dataclass_fields__.keys() - parameters.keys()
+            here = {
+                name: name if name in fields else name_here(name, "arguments", fields.__contains__) for name in rest
+            }
+            if sizes := {ours: rest.pop(name) for name, ours in here.items() if ours}:
+                takes_mapping = not whole and "Mapping" in str(parameters[part].annotation)
+                rest[part] = sizes if takes_mapping else kind(**sizes)
+    if whole and {"ship", "canal"} <= rest.keys():
+        rest[whole] = narrows.Configuration(rest.pop("ship"), rest.pop("canal"))
+    return rest
 
 
 def _check_fits(own: str, function: Callable[..., Any], values: Any, given: Any) -> None:

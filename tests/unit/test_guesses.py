@@ -211,10 +211,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),
-    "nw.squat(ship=, canal=)": (
-        lambda: nw.squat(ship=DTC.ship, canal=nw.Canal(7.0, 1.0), u=0.5),  # type: ignore[call-arg, arg-type]
-        r"write ship=nw.Configuration\(",
-    ),
     "nw.squat(u=[...])": (
         lambda: nw.squat(nw.published("estimated_kcs"), [3.0, 5.0]),  # type: ignore[arg-type]
         "call squat for each",
@@ -229,7 +225,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
     "voyage.plot(1)": (lambda: voyage().plot(1), "is no Axes of Matplotlib"),  # type: ignore[arg-type]
-    'nw.forces(delta="10deg")': (lambda: nw.forces(STEERED, u=1.0, delta="10deg"), "give radians, as np.radians"),  # type: ignore[attr-defined]
     "nw.simulate(y_deg=)": (lambda: nw.simulate(DTC, y_deg=5.0), "no argument 'y_deg'"),
     "nw.turning_circle(rudder_rad=)": (lambda: nw.turning_circle(KCS, rudder_rad=0.5), "no argument|unexpected"),  # type: ignore[call-arg]
     "voyage.y_deg": (lambda: voyage().y_deg, "Voyage has no 'y_deg'"),  # type: ignore[attr-defined]
@@ -272,10 +267,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.load_ship(name)": (lambda: nw.load_ship("kcs"), "nw.published has the package's ships"),  # type: ignore[attr-defined]
     "nw.simulate(heading_deg=)": (lambda: nw.simulate(DTC, heading_deg=2.0), "write psi=..., in radians"),
     "nw.simulate(n_steps=)": (lambda: nw.simulate(DTC, n_steps=100), "write at=..., the times"),
-    "nw.straight_waterway(width=)": (
-        lambda: nw.straight_waterway(width=300.0, depth=16.0, length=5000.0),  # type: ignore[call-arg]
-        r"write canal=nw.Canal\(width, depth\)",
-    ),
     "nw.safe_envelope(wind=)": (lambda: nw.safe_envelope(KCS, wind=10.0), r"write disturbance=nw.Disturbance\("),  # type: ignore[call-arg]
     "nw.regulator(Q=)": (
         lambda: nw.control.regulator(KCS, 0.0, 4.0, Q=1.0),
@@ -458,6 +449,14 @@ A, B = kcs.linearize(u=4.0)
 assert np.allclose(nw.lqr(kcs, Q=1, R=1, speed=4.0)[0], nw.lqr(kcs.linearize(u=4.0), 1, 1)[0])
 assert kcs.linearize().C.shape == (4, 4) and kcs.linearize().D.shape == kcs.linearize().B.shape
 assert voyage.final_speed == voyage.u[-1] and abs(voyage.drift_angle[-1]) < 1
+big, wide = dict(length=366.0, beam=51.0, draft=15.0, block=0.65), dict(width=420.0, depth=24.0)
+config = nw.Configuration(nw.Ship(**big), nw.Canal(**wide)); assert nw.Configuration(**big, **wide) == config
+assert nw.squat(**big, **wide, speed="8 kn") == nw.squat(ship=config.ship, canal=config.canal, speed=8 * 1852 / 3600)
+assert nw.choke_speed(L=366.0, B=51.0, T=15.0, Cb=0.65, W=420.0, h=24.0) == nw.choke_speed(config)
+assert nw.estimate_model(**big, **wide) == nw.estimate_model(config.ship, config.canal)
+assert nw.straight_waterway(**wide, length="5000 m").line.length > 4999
+assert nw.simulate(kcs, u=4.0, rudder="10deg", duration="1 s").rudder[0] == np.radians(10)
+assert nw.turning_circle(kcs, "35 deg").advance == nw.turning_circle(kcs, 35).advance
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

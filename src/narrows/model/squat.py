@@ -141,6 +141,7 @@ def limits_left(formula: SquatFormula, configuration: Configuration, speed: floa
     )
 
 
+@accept_aliases
 def choke_speed(ship: Configured | Configuration) -> float:
     """Return the critical speed of a ship in its canal [m/s] (Schijf).
 

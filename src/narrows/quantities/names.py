@@ -99,10 +99,10 @@ def unit_at_end(name: str, ours: str) -> float | None:
     return next(units.get(unit) for own, units in NAME_UNITS.items() if re.fullmatch(own, ours)) if stem else None
 
 
-def metres_per_second(text: str) -> float | str:
-    """Return a speed with its unit, such as ``8 kn``, in m/s; any other text unchanged."""
+def in_si(text: str, ours: str) -> float | str:
+    """Return a number with its unit, such as ``8 kn``, as the quantity ``ours`` [SI]; any other text unchanged."""
     found = re.fullmatch(r"\s*([-+]?\d+(?:\.\d+)?)\s*([a-z/]+)\s*", text, re.IGNORECASE)
-    unit = SPEED_UNITS.get(found[2].lower()) if found else None
+    unit = unit_at_end(f"{ours}_{found[2].lower().replace('/', '')}", ours) if found else None
     return float(found[1]) * unit if found and unit else text
 
 
