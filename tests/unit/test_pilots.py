@@ -267,7 +267,7 @@ class TestWords:
         data = found.data
         assert bool((data["known"] >= data["held"]).all())
         assert "The limit" in found.summary()
-        assert "A pilot with the true coefficients would hold it" in found.summary()
+        assert "A pilot with the true coefficients would control the ship" in found.summary()
         assert {PILOT, KNOWLEDGE} & set(found.limited_by())
         rows = found.offset_rows()
         assert all(row["known"] >= row["held"] for row in rows)

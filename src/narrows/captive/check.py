@@ -80,9 +80,10 @@ def check_rates(table: CheckedColumns, test: np.ndarray) -> None:
     factor = math.sqrt((turned @ turned) / (expected @ expected))
     for name, other, unit, ratio in (("psi", "r", "deg", factor), ("r", "psi", "deg/s", 1 / factor)):
         if correlation > 0.9 and 40 < ratio < 80 and table.is_bare(name):
+            or_other = "" if table.is_bare(other) else f", or correct the unit of {other}"
             raise InputError(
                 f"{table.table}: column {name!r} is {ratio:.0f} times what {other} gives, so it looks like degrees; "
-                f"head it '{name} [{unit}]'"
+                f"head it '{name} [{unit}]'{or_other}"
             )
 
 

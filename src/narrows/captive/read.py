@@ -77,7 +77,9 @@ def read_captive(
     with file_stage("checking", path):
         frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):
-            raise InputError(f"{name}: no rows are left to read; give a test at least one row")
+            raise InputError(
+                f"{name}: no rows are left to read; add rows under the header, or select less strictly (where)"
+            )
         rows = checked(frame, configuration, name, movers, ship_file_of(ship))
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
@@ -184,7 +186,9 @@ class StreamedTests:
                 lengths[name] = lengths.get(name, 0) + stop - start
                 last = name
         if not lengths:
-            raise InputError(f"{self.path}: no rows are left to read; give a test at least one row")
+            raise InputError(
+                f"{self.path}: no rows are left to read; add rows under the header, or select less strictly (where)"
+            )
         return lengths
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:

@@ -208,7 +208,7 @@ LARGEST_RANGE = 1_000_000
 UNIT = re.compile(rf"(?:{'|'.join(sorted(filter(None, SPEED_UNITS), key=len, reverse=True))})?\s*$", re.IGNORECASE)
 
 
-def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101") -> np.ndarray:
+def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5:101 (from:to:count)") -> np.ndarray:
     """Read ``0.5``, ``0.5,1,2`` or ``from:to:count``."""
     try:
         if ":" in text:
@@ -238,7 +238,7 @@ def speeds(option: str, text: str) -> np.ndarray:
         )
     bare = [word.strip().removesuffix(unit).strip() for word, unit in zip(carry, written, strict=True)]
     plain = between.join(bare + words[len(carry) :])
-    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17") * units.pop()
+    return numbers(option, plain, "4.1m/s, 8kn, or 8kn,9kn, or 4kn:12kn:17 (from:to:count)") * units.pop()
 
 
 def speed(option: str, text: str) -> float:

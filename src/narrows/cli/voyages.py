@@ -244,7 +244,9 @@ def _zigzags(option: str, text: str) -> tuple[tuple[float, float], ...]:
         pairs = [word.split("/") for word in text.split(",") if word]
         return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
     except ValueError:
-        raise InputError(f"{option} {text!r} is not understood; write 10/10,20/20, in degrees") from None
+        raise InputError(
+            f"{option} {text!r} is not understood; write rudder/heading in degrees, such as 10/10,20/20"
+        ) from None
 
 
 Zigzags = Annotated[Any, _zigzags]

@@ -115,7 +115,7 @@ def _check(inputs: InputOptions, alerts: AlertOptions, model: str | None, waterw
     if inputs.demo and (model or waterway):
         raise InputError("--demo has a ship and a canal of its own; leave MODEL and --waterway out")
     if not inputs.demo and not (model and waterway):
-        raise InputError("a bridge gives longitude and latitude: give MODEL and --waterway; --demo alone has its own")
+        raise InputError("sensors send longitude and latitude, so give MODEL and --waterway (only --demo has its own)")
     if alerts.recording and not inputs.demo:
         raise InputError("--recording writes the messages of --demo; leave it out")
     if inputs.pace is not None and not inputs.pace > 0:

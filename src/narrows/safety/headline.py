@@ -111,9 +111,9 @@ def _with_true_coefficients(data: xr.Dataset, share: float, block: Block | None)
     by_true = safe_by(data, share, "known")
     known = largest_block(data, by_true & data["tested"].to_numpy())
     if known is None:  # Held, but only outside the tests: the tested range is the limit.
-        return [] if by_true.any() else ["A pilot with the true coefficients would not hold it either."]
+        return [] if by_true.any() else ["A pilot with the true coefficients would not control the ship either."]
     span = place_in_words(data, known[1], safe_offsets(data, known, share, "known"))
-    return [f"A pilot with the true coefficients would hold it {span}."] * (known != block)
+    return [f"A pilot with the true coefficients would control the ship {span}."] * (known != block)
 
 
 def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> str:
@@ -171,8 +171,8 @@ AT_LENGTH = {
     NONE: "too little rudder",
     RUDDER: "the reserve of rudder",
     UPSET: "the disturbance, which not even a pilot with the true coefficients corrects",
-    KNOWLEDGE: "the uncertainty of the coefficients (the best-estimate ship would be held)",
-    PILOT: "the pilot (one with the true coefficients would hold it)",
+    KNOWLEDGE: "the uncertainty of the coefficients (with the best estimate the ship would be controllable)",
+    PILOT: "the pilot (one with the true coefficients would control the ship)",
     TESTS: "the tested range",
     RANGE: "the range that was tried",
 }

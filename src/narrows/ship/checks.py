@@ -53,7 +53,11 @@ RULES = (
         lambda value, *astern: (value >= 0) | (sum(map(abs, astern)) > 0),
         f"{{revolutions}}: {AHEAD_ONLY}",
     ),
-    Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction"),
+    Rule(
+        ("block_coefficient",),
+        lambda value: value <= 1,
+        "{block_coefficient} is over 1; it is a fraction, such as 0.65",
+    ),
     Rule(("limit_deg",), lambda value: value <= 90, "{limit_deg} is beyond 90 degrees; check it"),
     *(
         Rule((name,), lambda value: value >= 0, f"{{{name}}} is negative; give a number from 0")
@@ -158,10 +162,14 @@ def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping
     if hasattr(right, "dims"):  # Place of the first hit, by dimension
         first = np.unravel_index(int(np.argmin(right.to_numpy())), right.shape)
         at = {str(name): int(index) for name, index in zip(right.dims, first, strict=True)}
-    words = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
+    words = {name: f"{places[name]} = {shown(_rounded(_picked(value, at)))}" for name, value in values.items()}
     labels = (f"{name} = {right[name].to_numpy()[index]}" for name, index in at.items() if name not in values)
     where = ", ".join(labels)
     raise InputError(sentence.format(*words.values(), **words) + (f" (the first is at {where})" if where else ""))
+
+
+def _rounded(value: Any) -> Any:
+    return float(f"{value:.8g}") if isinstance(value, float) else value
 
 
 def _picked(value: Any, at: Mapping[str, int]) -> Any:

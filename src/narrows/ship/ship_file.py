@@ -17,7 +17,7 @@ NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
 # Spellings of keys in earlier files.
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
 # Least ship file, for messages.
-LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], a key a line"
+LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], each on its own line"
 # A ship file, its sections as mappings, or its configuration.
 ShipSource = str | Path | Configuration | Mapping[str, Any]
 
@@ -59,9 +59,7 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
         If the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
     if not Path(path).exists():
-        raise InputError(
-            f"{path}: there is no such ship file (nw.published has the package's ships); write one: {LEAST}"
-        )
+        raise InputError(f"{path}: there is no such ship file; check the path, or write one: {LEAST}")
     return configuration_from(load_toml(path), str(path), actuators)
 
 
@@ -121,5 +119,5 @@ def section_of(cls: type, name: str, values: Mapping[str, Any]) -> Any:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")
     missing = [key for key, entry in known.items() if entry.default is MISSING and key not in values]
     if missing:
-        raise InputError(f"[{name}] lacks {', '.join(missing)}; give all in SI units")
+        raise InputError(f"[{name}] lacks {', '.join(missing)}; add it in SI units")
     return cls(**values)

@@ -217,6 +217,7 @@ def check_place(at: Checked) -> Iterator[Finding]:
 
 RECORD_CHECKS = (check_clock, check_repeats, check_speed, check_rudder, check_place)
 ALL = "all records"
+MISSING_REMEDY = "leave the record out, or record what is missing"
 
 
 @accept_aliases
@@ -254,7 +255,8 @@ def check_log(
             at = Checked.of(record, model, water)
             found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
         except InputError as error:
-            found = [Finding("missing", record.name, str(error), "leave it out, or record what is missing")]
+            words = str(error)
+            found = [Finding("missing", record.name, words.rpartition("; ")[0] or words, MISSING_REMEDY)]
         findings += found
         if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
             twice = record.name in {other.name for other in good}
@@ -275,7 +277,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
     setup = log_problem(model, log, sensors, spread=spread)
     grids = list(setup)
     for note in setup.left_out:
-        yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
+        yield Finding("missing", log.names[0], note.removesuffix("."), MISSING_REMEDY)
     if not grids:
         return
     where = grids[0].record.name if len(grids) == 1 else ALL

@@ -128,9 +128,9 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
     for name in ("y", "u", "rudder"):
         if name not in columns:
-            raise InputError(f"{source}: no column is {name}{did_you_mean(name, headers)}")
+            raise InputError(f"{source}: there is no column {name!r}{did_you_mean(name, headers)}")
     if not {"drift", "heading"} & set(columns):
-        raise InputError(f"{source}: no column is drift or heading; give one of them, as in 'drift [deg]'")
+        raise InputError(f"{source}: there is no column 'drift' or 'heading'; give one of them, as in 'drift [deg]'")
     own = errors or ReadingErrors()
     stated = {
         name: columns.get(f"{name}_error", np.full(len(frame), reading_error(own, name)))
