@@ -221,6 +221,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "nw.Canal(bank_slope=)": (lambda: nw.Canal(300.0, 16.0, bank_slope=0.3), "nw.equivalent_wall the wall of one"),  # type: ignore[call-arg]
     "canal.blockage": (lambda: nw.Canal(300.0, 16.0).blockage, "under beam . draft of the ship"),  # type: ignore[attr-defined]
+    "nw.lqr(3)": (lambda: nw.lqr(3, Q=1, R=1), "neither a linear system nor a model"),  # type: ignore[attr-defined]
     "nw.MPC(model, dt=)": (lambda: nw.MPC(KCS, dt=0.5), "write horizon=... .s. and intervals="),  # type: ignore[attr-defined]
     "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),

@@ -15,7 +15,7 @@ from narrows.control import settings
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
 from narrows.control.steady_course import check_holds, check_rudder
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import BaseSummary
@@ -330,6 +330,8 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
     InputError
         If a linear system is given with a course, weights have the wrong shape, or no gains hold the ship.
     """
+    if not isinstance(linear, LinearSystem) and not hasattr(linear, "linearize"):
+        raise InputError(f"linear = {shown(linear)} is neither a linear system nor a model; give one")
     if isinstance(linear, LinearSystem) and course:
         raise InputError(f"a linear system has its course; leave out {', '.join(course)}, or give the model")
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize(**course)
