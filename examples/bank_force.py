@@ -1,7 +1,7 @@
-"""Push and turn of a bank
-=======================
+"""Bank force and yaw moment
+=========================
 
-The force towards the near bank, and the moment that turns the bow away from it, by the offset of a container ship.
+Force towards the near bank and moment that turns the bow away, over the offset of a container ship.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Waterways: around a bend
 ========================
 
-A canal that turns by 45 degrees, the ship steered along its line, on the map.
+A ship is steered along the line of a canal that turns by 45 degrees; the track on a map.
 """
 
 import numpy as np

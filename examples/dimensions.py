@@ -1,7 +1,7 @@
 """A ship from its main dimensions
 ===============================
 
-Length, beam, draft and block coefficient give a model, with a spread calibrated on known ships.
+Length, beam, draft and block coefficient give a model, with an uncertainty calibrated on known ships.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Estimation: position from noisy sensors
 =======================================
 
-A Kalman filter with the ship's model estimates the offset from fixes with 3 m of noise, and its standard deviation.
+A Kalman filter with the ship's model estimates the offset and its uncertainty from fixes with 3 m of noise.
 """
 
 import numpy as np

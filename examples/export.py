@@ -1,7 +1,7 @@
-"""Export: the same ship in a file of its own
-==========================================
+"""Export: a model as one Python file
+==================================
 
-The model becomes one Python file that needs no package; its voyage is that of ``narrows``.
+The exported file needs no package; its voyage equals that of ``narrows``.
 """
 
 import runpy

@@ -1,7 +1,7 @@
 """Where the ship grounds
 ======================
 
-Where the paper's ship grounds, from either side of the switch between the banks, and how sure that is.
+Starts at 2.3 and 2.4 m end at different banks; the probability of grounding by starting offset.
 """
 
 import numpy as np

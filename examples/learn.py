@@ -1,7 +1,7 @@
 """Learning: the bank from steady legs
 ===================================
 
-The rudder on two straight legs, one to either side, narrows the bank's moment of a ship without tests.
+The rudder angle on two straight legs, one to either side, determines the bank moment of an untested ship more closely.
 """
 
 from matplotlib.figure import Figure

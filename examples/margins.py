@@ -1,7 +1,7 @@
-"""Control: how late may the helm be?
-==================================
+"""Control: delay margin
+=====================
 
-Delay margin of the closed loop of ship, gear and regulator, by the regulator's line and speed.
+Additional delay that the loop of ship, steering gear and regulator tolerates, by offset and speed.
 """
 
 import numpy as np

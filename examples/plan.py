@@ -1,7 +1,7 @@
-"""The next tests
-==============
+"""Plan the next tests
+===================
 
-Which runs of a towing tank determine the bank best: the standard error that each further run leaves.
+Runs of a towing tank that determine the bank best, and the standard error after each.
 """
 
 from matplotlib.figure import Figure

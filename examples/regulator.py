@@ -1,7 +1,7 @@
 """Control: hold a line near a bank
 ================================
 
-A linear-quadratic regulator holds the ship 20 m off the centreline; without it the ship meets the bank.
+A linear-quadratic regulator holds the ship 20 m off the centreline; without steering the ship grounds.
 """
 
 from matplotlib.figure import Figure

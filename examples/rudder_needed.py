@@ -1,7 +1,7 @@
-"""Control: rudder of the steady course
-====================================
+"""Control: steady rudder angle
+============================
 
-The rudder that holds a ship off the centreline, with samples of the uncertain coefficients.
+The rudder angle that holds a ship at an offset, with samples of the uncertain coefficients.
 """
 
 import numpy as np

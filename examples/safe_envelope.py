@@ -1,7 +1,7 @@
-"""From tests to a chart
-=====================
+"""From tests to a chart of safe speeds
+====================================
 
-From the measured tests of a container ship to the chart for its pilot.
+From the measured tests of a container ship to a chart for the pilot.
 """
 
 import tempfile

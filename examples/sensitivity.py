@@ -1,7 +1,7 @@
-"""What moves the track?
-=====================
+"""Sensitivity of a voyage
+=======================
 
-Exact derivatives of a voyage by its start and its coefficients, from one run.
+Exact derivatives of the track with respect to the start and the coefficients, from one run.
 """
 
 from matplotlib.figure import Figure

@@ -1,7 +1,7 @@
 """Squat in a canal
 ================
 
-The bow of a container ship sinks with speed; formulas differ, and their spread is the uncertainty.
+Bow sinkage of a container ship over speed; the spread of the formulas shows their uncertainty.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
-"""How fast does it diverge?
-=========================
+"""Stability near a bank
+=====================
 
-Without a helmsman a deviation doubles in this time: the eigenvalues of the ship near a bank.
+Time in which a deviation doubles without steering, from the eigenvalues of the ship near a bank.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
-"""Would the tests have found the truth?
-=====================================
+"""Check a test programme with a twin
+==================================
 
-Would tests like these have found the truth? Run them on a ship whose coefficients are known.
+Simulated tests of a ship with known coefficients show whether such tests would find them.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
-"""Warning: where will it be in four minutes?
-==========================================
+"""Warning: forecast over four minutes
+===================================
 
-The uncertain ship if nobody moves the rudder: the share of samples that meets a bank is the chance of contact.
+Share of the samples of an uncertain ship that touch a bank if nobody moves the rudder.
 """
 
 import numpy as np

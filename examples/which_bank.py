@@ -1,7 +1,7 @@
-"""Which bank does it meet?
-========================
+"""Which bank does the ship touch?
+===============================
 
-Ships without a helmsman start at every offset and speed; the picture shows the distance to the grounding and its side.
+Ships without steering start at every offset and speed; the picture has the distance to the grounding and its side.
 """
 
 import numpy as np

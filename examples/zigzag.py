@@ -1,7 +1,7 @@
 """A zigzag test
 =============
 
-Rudder and heading of a tanker in a 20/20 zigzag, with the overshoots that IMO limits.
+Rudder and heading of a tanker in a 20/20 zigzag test, with the overshoot angles that IMO limits.
 """
 
 import numpy as np
