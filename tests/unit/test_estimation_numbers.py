@@ -1,10 +1,14 @@
 """Numbers of the estimator against scaling laws and hand computations; no filter runs here."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from narrows.codegen.cache import compiled_loops
-from narrows.estimation import Prior, ProcessNoise, square_roots
+from narrows.estimation import GaussMarkov, Log, Prior, ProcessNoise, settings, square_roots
+from narrows.estimation.sensors import ErrorProcess
 from narrows.estimation.ship_filter import MEMORIES
 from narrows.estimation.unscented import sigma_point_weights
 
@@ -49,3 +53,25 @@ def test_drifts_are_geometric_sums_of_innovations() -> None:
     leans = [(1 + 2 * fading) / np.sqrt(1 + fading**2) for fading in (5 / 6, 11 / 12, 23 / 24)]
     assert drift(sums, 1.0) == pytest.approx([max(leans)])
     assert drift(np.zeros((2, 3, 1)), -70.0) == pytest.approx([5.0])  # what is larger is the gate's
+
+
+def test_drawn_errors_have_the_declared_size_and_memory() -> None:
+    """A Gauss-Markov error: its standard deviation, and a correlation of 1/e after its time, here 20 readings."""
+    random = np.random.default_rng(3)
+    process = ErrorProcess(Log(noise=1e-9, period=0.5, coloured=GaussMarkov(0.4, 10.0)), random)
+    at = SimpleNamespace(u=0.0)
+    drawn = np.array([process.reading(at) for _ in range(40_000)])
+    assert drawn.std() == pytest.approx(0.4, rel=0.08)
+    assert np.corrcoef(drawn[:-20], drawn[20:])[0, 1] == pytest.approx(np.exp(-1), abs=0.06)
+    first = [ErrorProcess(process.sensor, random).reading(at) for _ in range(2000)]
+    assert np.std(first) == pytest.approx(0.4, rel=0.08)  # stationary from the start
+
+
+def test_settings_of_the_bank_of_filters() -> None:
+    """Changes here change what navigators see: each is deliberate."""
+    assert (settings.SILENT_PERIODS, settings.REFUSED_PERIODS, settings.START_READINGS) == (5.0, 5.0, 3)
+    assert (settings.REPLAY_TIME, settings.JUDGE_WAIT, settings.RESTART_TIME) == (60.0, 5.0, 20.0)
+    assert (settings.STUCK_READINGS, settings.LONGEST_GAP, settings.COEFFICIENT_MEMORY) == (20, 600.0, 1800.0)
+    assert (settings.WHITENESS_MEMORY, settings.WHITENESS_READINGS) == (200.0, 30)
+    # Beyond 4 standard deviations a normal number lies once in 16 000, a reading of either sign.
+    assert 2 * norm.sf(settings.WHITENESS_THRESHOLD) == pytest.approx(1 / 15787, rel=1e-3)

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -89,6 +90,21 @@ def sailed(model: nw.Model, **told: Any) -> list[float]:
 
 def test_lanes_move_as_voyages_do() -> None:
     np.testing.assert_allclose(after(rows())[:6], sailed(steered()), rtol=1e-12, atol=1e-14)
+
+
+def test_a_long_time_is_taken_in_steps_no_longer_than_the_limit() -> None:
+    """The rudder turns on from step to step, as in as many calls."""
+    made = estimator(step=0.25).filter
+    begun = Gaussian(np.append(row(), np.zeros(made.estimated)), 0.01 * np.eye(len(made.states) + made.estimated))
+    turned = [0.1 + 0.02 * n for n in range(6)]
+    whole = made.advance(begun, 1.0, np.array([turned[0]]), np.array([turned[4]]))
+    assert len(whole) == 4
+    assert len(made.advance(begun, 1.25, np.array([turned[0]]), np.array([turned[5]]))) == 5
+    now = begun
+    for first, then in pairwise(turned[:5]):
+        (one,) = made.advance(now, 0.25, np.array([first]), np.array([then]))
+        now = one.state
+    np.testing.assert_allclose(whole[-1].state.mean, now.mean, rtol=1e-12, atol=1e-14)
 
 
 def test_the_strength_of_the_bank_is_a_factor_on_its_terms() -> None:
