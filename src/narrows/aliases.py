@@ -9,6 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
 from narrows.errors import InputError, near_miss
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -50,9 +52,10 @@ def accept_aliases(function: Function) -> Function:
         function.__init__ = accept_aliases(function.__init__)  # type: ignore[misc]
         return function
     parameters = inspect.signature(function).parameters
-    # Place of a model that heads the arguments, of a method or an ``__init__`` after the object.
-    names = [*parameters] if not function.__qualname__.startswith("Model.") else ["model"]
-    place = names.index("model") if [name for name in names if name != "self"][:1] == ["model"] else None
+    # A model that heads the arguments, of a method or an ``__init__`` after the object.
+    head = (
+        next((name for name in parameters if name != "self"), "") if function.__qualname__[:6] != "Model." else "self"
+    )
     more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
     own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
@@ -75,8 +78,10 @@ def accept_aliases(function: Function) -> Function:
             return stem
         return name_here(stem, "arguments", takes) or name_here(stem, "objects", parameters.__contains__) or ""
 
-    def in_units(name: str, value: Any) -> Any:
-        """Return a number that is written with its unit in the argument's own: SI, or degrees."""
+    def converted(name: str, value: Any) -> Any:
+        """Return the model of a fit or file, and a number that is written with its unit in SI, or degrees."""
+        if name == head in ("self", "model"):
+            return _model_of(value)
         if not isinstance(value, str) or name not in (*aliases("arguments"), "speed", "heading"):
             return value
         names = import_module("narrows.quantities.names")
@@ -94,22 +99,15 @@ def accept_aliases(function: Function) -> Function:
             ours = (ours or name_here(name, "objects", parameters.__contains__) or "").rpartition(".")[2]
             if not ours and (stem := written_without(name)) and (size := unit_of(name, stem)):
                 ours, value = stem, given[name]
-                if isinstance(value, list | tuple):
-                    given[name] = [size * one for one in value]
-                elif not isinstance(value, str | None):
-                    given[name] = size * value
+                given[name] = value if isinstance(value, str | None) else np.multiply(size, value)
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
             elif meant := name_here(name, "other_arguments", names_own):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
-        values = (*map(in_units, parameters, values), *values[len(parameters) :])
-        given = {name: in_units(name, value) for name, value in given.items()}
-        if place is not None and len(values) > place:
-            values = (*values[:place], _model_of(values[place]), *values[place + 1 :])
-        elif place is not None and "model" in given:
-            given["model"] = _model_of(given["model"])
+        values = (*map(converted, parameters, values), *values[len(parameters) :])
+        given = {name: converted(name, value) for name, value in given.items()}
         try:
             return function(*values, **given)
         except TypeError:

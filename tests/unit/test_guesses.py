@@ -458,6 +458,7 @@ assert nw.estimate_model(**big, **wide) == nw.estimate_model(config.ship, config
 assert nw.straight_waterway(**wide, length="5000 m").line.length > 4999
 assert nw.simulate(kcs, u=4.0, rudder="10deg", duration="1 s").rudder[0] == np.radians(10)
 assert nw.turning_circle(kcs, "35 deg").advance == nw.turning_circle(kcs, 35).advance
+assert nw.squat(kcs, 4.0).bow == nw.squat(kcs, 4.0, "bow").sinkage and 4 < nw.squat(kcs, 4.0).ukc < 5.4
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

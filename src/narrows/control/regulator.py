@@ -324,11 +324,6 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
     **course : float
         For a model, its ``y`` [m], ``u`` [m/s] ... as for ``linearize``.
-
-    Raises
-    ------
-    InputError
-        If a linear system is given with a course, weights have the wrong shape, or no gains hold the ship.
     """
     if not isinstance(linear, LinearSystem) and not hasattr(linear, "linearize"):
         raise InputError(f"linear = {shown(linear)} is neither a linear system nor a model; give one")

@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -87,6 +87,8 @@ class Squat(BaseResult):
         Speed at which the canal chokes.
     notes : tuple of str
         Uses outside the formula's range, or an unverified formula.
+    of : tuple of Configuration and float, optional
+        Ship and speed [m/s], for the sinkage of other places: ``bow``, ``midship``, ``largest``.
     """
 
     sinkage: float
@@ -94,6 +96,7 @@ class Squat(BaseResult):
     gives: str
     critical_speed: float
     notes: tuple[str, ...]
+    of: tuple[Configuration, float] | None = field(default=None, compare=False)
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return it as a table of one row, by the formula's name."""
@@ -109,7 +112,8 @@ class Squat(BaseResult):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        return {**asdict(self), "notes": list(self.notes), "summary": self.summary()}
+        values = {name: value for name, value in vars(self).items() if name != "of"}
+        return {**values, "notes": list(self.notes), "summary": self.summary()}
 
 
 def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
@@ -225,8 +229,8 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     sinkage = sinkage_by(chosen, configuration, u)
     if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
         less = f"{name} gives less"
-        return Squat(narrow, "continuity", gives, critical, (less,))
-    return Squat(sinkage, name, gives, critical, notes)
+        return Squat(narrow, "continuity", gives, critical, (less,), (configuration, u))
+    return Squat(sinkage, name, gives, critical, notes, (configuration, u))
 
 
 def _of_voyages(configuration: Configuration, speed: float) -> dict[str, Number]:
