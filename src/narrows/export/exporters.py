@@ -48,6 +48,10 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     matlab (``.m``, ``.c`` for Simulink), fmu (``.fmu``), page (``.html``), latex (``.tex``) and bank-force (``.h``,
     ``.cs``, ``.mjs``, ``.m``, ``.fmu``); ``EXPORTERS`` describes each. FMUs and pages need ziglang (the extra ``fmu``).
 
+    Raises an InputError if there is no such language, an option does not apply, the model lacks coefficients for its
+    equations, the ship does not fit the waterway, the controller is no law in arithmetic, a compiler fails, or the file
+    cannot be written.
+
     Parameters
     ----------
     model : Model
@@ -68,13 +72,6 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     -------
     tuple of str or None
         Platforms that an FMU has a library for; notes on a page.
-
-    Raises
-    ------
-    InputError
-        If there is no such language, an option does not apply, the model lacks coefficients for its equations, the
-        ship does not fit the waterway, the controller is no law in arithmetic, a compiler fails, or the file cannot be
-        written.
 
     References
     ----------

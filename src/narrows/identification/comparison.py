@@ -133,6 +133,8 @@ def compare(
 ) -> Comparison:  # fmt: skip
     """Fit several tables of terms to the same tests.
 
+    Raises an InputError if no table could be fitted, or the tests have no ship.
+
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
@@ -143,11 +145,6 @@ def compare(
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional
         Ship of tests that were not read yet, as in ``read_captive``.
-
-    Raises
-    ------
-    InputError
-        If no table could be fitted, or the tests have no ship.
 
     Examples
     --------
@@ -266,6 +263,8 @@ class Explanation(BaseResult):
 def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSource | None = None) -> Explanation:
     """Compare a model with a table of tests.
 
+    Raises an InputError if the tests lack a quantity of the model's terms, or are of several conditions.
+
     Parameters
     ----------
     model : Model
@@ -281,11 +280,6 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     -------
     Explanation
         Errors of the model, the fit to these tests, and other tables.
-
-    Raises
-    ------
-    InputError
-        If the tests lack a quantity of the model's terms, or are of several conditions.
 
     Examples
     --------

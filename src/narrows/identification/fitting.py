@@ -46,6 +46,9 @@ def identify(
     One pass over the rows leaves sums of products; the fit, its standard errors and verdicts (by distinct motions) and
     its left-out scores all come from these.
 
+    Raises an InputError where an option is unknown, a table has no ship, the tests are of several conditions, or a
+    rudder moves that no term has.
+
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
@@ -72,12 +75,6 @@ def identify(
     -------
     Fit
         With ``coefficients``, ``std``, ``intervals``, ``verdicts``, ``scores``, ``left_out`` and ``model``.
-
-    Raises
-    ------
-    InputError
-        Where an option is unknown, a table has no ship, the tests are of several conditions, or a rudder moves that no
-        term has.
 
     Examples
     --------
@@ -141,6 +138,8 @@ def identify_conditions(
 ) -> dict[str, Fit]:
     """Fit each condition of a table by itself.
 
+    Raises an InputError where there is no such condition, or a table has no ship.
+
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
@@ -156,11 +155,6 @@ def identify_conditions(
     -------
     dict of str to Fit
         By condition; the label is empty where the table names none, or where conditions are pooled.
-
-    Raises
-    ------
-    InputError
-        Where there is no such condition, or a table has no ship.
 
     Examples
     --------

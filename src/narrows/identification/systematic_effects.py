@@ -75,6 +75,8 @@ class RunErrors(Aliased):
     Each is the scale of a half-t prior, which admits larger errors. The defaults of gain, zero and form are the scatter
     of repeats in the bundled KCS tests (1.1 to 3.4 % of a force).
 
+    Raises an InputError where a size is negative, or as large as the force itself.
+
     Parameters
     ----------
     gain : float [1]
@@ -93,11 +95,6 @@ class RunErrors(Aliased):
     campaign : float [1]
         Multiplies the usual sizes of errors that runs share: forces, headings and rudder angles that go with y, rail,
         clock, gauges. The sizes themselves are listed in ``docs/uncertainty.md``.
-
-    Raises
-    ------
-    InputError
-        Where a size is negative, or as large as the force itself.
     """
 
     gain: float = 0.02

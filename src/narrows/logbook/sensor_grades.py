@@ -14,6 +14,8 @@ from narrows.ship.checks import check_sizes
 class SignalGrade:
     """Errors of one signal.
 
+    Raises an InputError where a number is negative or not finite, or there is no noise or period at all.
+
     Parameters
     ----------
     noise, period : float [unit of the signal], [s]
@@ -22,11 +24,6 @@ class SignalGrade:
         Standard deviation and correlation time of an error of a first-order process.
     zero : float [unit of the signal]
         Standard deviation of an error that is constant over a record.
-
-    Raises
-    ------
-    InputError
-        Where a number is negative or not finite, or there is no noise or period at all.
 
     Examples
     --------
@@ -48,17 +45,14 @@ class SignalGrade:
 class SensorGrade(BaseSummary):
     """A ship's sensors.
 
+    Raises an InputError where a name is no signal's.
+
     Parameters
     ----------
     name, words : str
         Name of the grade, and its meaning.
     signals : mapping of str to SignalGrade
         By the names of ``SIGNALS``; what is not there is not measured.
-
-    Raises
-    ------
-    InputError
-        Where a name is no signal's.
 
     Examples
     --------

@@ -21,15 +21,12 @@ if TYPE_CHECKING:
 class Signal:
     """One measured quantity at its own times, as received: uneven, with gaps.
 
+    Raises an InputError where the two are not of one length, or a number is not finite.
+
     Parameters
     ----------
     t, values : array (n,)
         Times [s], and values in the unit of ``SIGNALS``.
-
-    Raises
-    ------
-    InputError
-        Where the two are not of one length, or a number is not finite.
 
     Examples
     --------
@@ -87,6 +84,8 @@ class Signal:
 class ShipRecord(Aliased):
     """One manoeuvre or transit: signals in SI and rad, in the package's axes and signs (see ``SIGNALS``).
 
+    Raises an InputError where a name is no signal's, what it names is none, or the antenna is not two numbers.
+
     Parameters
     ----------
     name, signals : str and mapping of str to Signal
@@ -95,11 +94,6 @@ class ShipRecord(Aliased):
         Place of the antenna of ``x`` and ``y``: forward and to starboard of midship.
     condition : mapping of str to float
         Loading, as in ``{"draft": 10.2}``.
-
-    Raises
-    ------
-    InputError
-        Where a name is no signal's, what it names is none, or the antenna is not two numbers.
 
     Examples
     --------
@@ -217,6 +211,8 @@ def check_signals(names: Iterable[str]) -> None:
 class ShipLog(BaseResult):
     """Records of one ship: manoeuvres, transits.
 
+    Raises an InputError where two records share a name.
+
     Parameters
     ----------
     records : tuple of ShipRecord
@@ -225,11 +221,6 @@ class ShipLog(BaseResult):
         Line of x, y, psi and course; a plane without one.
     notes : tuple of str
         Notes of the reader: interpretation of columns, rows left out.
-
-    Raises
-    ------
-    InputError
-        Where two records share a name.
 
     Examples
     --------

@@ -95,6 +95,9 @@ def bank_force(
     ``narrows export bank-force`` writes the same function for simulators. A sloped bank acts like the wall that gives
     the same section of water. Numbers may be arrays of one shape.
 
+    Raises an InputError if the model has no bank force, its bank terms need a depth, or no water is left between the
+    banks.
+
     Parameters
     ----------
     model : Model
@@ -111,11 +114,6 @@ def bank_force(
         Water depth; that of the model's canal unless given.
     slope_starboard, slope_port : number [1]
         Horizontal distance per metre of height of a bank; 0 for a wall.
-
-    Raises
-    ------
-    InputError
-        If the model has no bank force, its bank terms need a depth, or no water is left between the banks.
 
     Examples
     --------

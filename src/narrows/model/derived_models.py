@@ -87,17 +87,14 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     Tests of unknown depth count as deep. Tests at the depth itself are better: the formulas correct some of the hull's
     coefficients and none of the bank.
 
+    Raises an InputError if no water is left under the keel.
+
     Parameters
     ----------
     model : Model
         Model for one depth.
     depth : float [m]
         New depth.
-
-    Raises
-    ------
-    InputError
-        If no water is left under the keel.
 
     Examples
     --------
@@ -171,17 +168,14 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     The coefficients of a rudder are relative to the area L T/100 and the length. So they hold for a hull with the same
     relative rudder area and the same propeller loading. Their covariance is added if both models have one.
 
+    Raises an InputError if the model has a rudder, or the lender has none.
+
     Parameters
     ----------
     model : Model
         A model without a rudder.
     lender : Model
         A model with the terms of ``steered``: ``a_helm``, ``b_helm`` and ``c_helm``.
-
-    Raises
-    ------
-    InputError
-        If the model has a rudder, or the lender has none.
     """
     if any(term.kind == TermKind.RUDDER for term in model.terms.terms):
         raise InputError("the model already has a rudder; leave the other out")
@@ -216,17 +210,14 @@ def with_transverse_thrust(model: Model, share: float = 1.0) -> Model:
     A right-handed propeller pushes the stern to port, so that the bow turns to starboard. The force is that of the Esso
     Osaka, relative to L d (n D)^2.
 
+    Raises an InputError if the model has no propeller, or has these terms.
+
     Parameters
     ----------
     model : Model
         A model with terms of a propeller.
     share : float [1]
         Force relative to the Esso Osaka's; negative for a left-handed propeller.
-
-    Raises
-    ------
-    InputError
-        If the model has no propeller, or has these terms.
 
     References
     ----------

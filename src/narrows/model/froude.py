@@ -90,6 +90,8 @@ class Scaled(BaseResult):
 class Friction:
     """Data for scaling the friction of a hull by the line of the ITTC.
 
+    Raises an InputError if a number is not positive, or the form factor is negative.
+
     Parameters
     ----------
     wetted_surface : float [m2]
@@ -100,11 +102,6 @@ class Friction:
         Speed at the old scale at which the line is evaluated.
     viscosity : pair of float [m2/s]
         Kinematic viscosity of the water at the old scale and at the new.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive, or the form factor is negative.
     """
 
     wetted_surface: float
@@ -135,6 +132,8 @@ def scale_model(
     Masses scale with the cube of the length ratio and with the density, times with the root of the length ratio. A
     scale in the ship's name, as in ``1:52.667``, becomes that of the new ship.
 
+    Raises an InputError if a number is not positive, or the ship does not fit the canal.
+
     Parameters
     ----------
     model : Model
@@ -147,11 +146,6 @@ def scale_model(
         Dimensions of the new canal; those of the tests at the new scale unless given.
     friction : Friction, optional
         Scale the friction in the resistance by the line of the ITTC instead of by Froude's law.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive, or the ship does not fit the canal.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
         raise InputError(f"the length {shown(length)} m of a ship must be over 0 and under {LONGEST:g} m")
@@ -305,6 +299,8 @@ def units_of(configuration: Configuration, system: System, speed: float | None =
 def nondimensional(model: Model, system: System = "prime2", speed: float | None = None) -> dict[str, float]:
     """Return a model's nondimensional coefficients.
 
+    Raises an InputError if the system is unknown or lacks a speed.
+
     Parameters
     ----------
     model : Model
@@ -313,11 +309,6 @@ def nondimensional(model: Model, system: System = "prime2", speed: float | None 
         ``prime1``, ``prime2`` or ``bis``.
     speed : float [m/s], optional
         Speed for the prime systems.
-
-    Raises
-    ------
-    InputError
-        If the system is unknown or lacks a speed.
     """
     units = units_of(model.configuration, system, speed)
     return {n: v / units.factor(model.terms[n].dimension) for n, v in model.coefficients.items()}
@@ -327,6 +318,8 @@ def dimensional(
     numbers: Mapping[str, float], model: Model, system: System = "prime2", speed: float | None = None
 ) -> Model:
     """Return a model from nondimensional coefficients.
+
+    Raises an InputError if the system is unknown, lacks a speed, or a coefficient is missing or unknown.
 
     Parameters
     ----------
@@ -338,11 +331,6 @@ def dimensional(
         ``prime1``, ``prime2`` or ``bis``.
     speed : float [m/s], optional
         Speed for the prime systems.
-
-    Raises
-    ------
-    InputError
-        If the system is unknown, lacks a speed, or a coefficient is missing or unknown.
     """
     units = units_of(model.configuration, system, speed)
     known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}

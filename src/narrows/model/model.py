@@ -84,6 +84,8 @@ class Operations(BaseResult):
 class Model(Configured, Operations):
     """A bank-effect model: the result of a fit and the input of simulation.
 
+    Raises an InputError if a coefficient is missing, unknown or not finite, or a verdict is unknown.
+
     Parameters
     ----------
     configuration : Configuration
@@ -100,11 +102,6 @@ class Model(Configured, Operations):
         Origin of the numbers.
     verdicts : mapping of str to str
         Verdict on each coefficient, in a word or two; empty without a fit.
-
-    Raises
-    ------
-    InputError
-        If a coefficient is missing, unknown or not finite, or a verdict is unknown.
 
     Examples
     --------
@@ -194,15 +191,12 @@ class Model(Configured, Operations):
     def save(self, path: str | Path) -> None:
         """Write it as a model file; ``load_model`` restores it to the last bit.
 
+        Raises an InputError if the file cannot be written.
+
         Parameters
         ----------
         path : str or Path
             Output file.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
         """
         narrows.save_model(self, path)
 
@@ -227,6 +221,9 @@ class Model(Configured, Operations):
     ) -> dict[str, Number]:  # fmt: skip
         """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
 
+        Raises an InputError if a term needs a particular that the configuration lacks, or divides by a speed of 0, or
+        there is no such actuator.
+
         Parameters
         ----------
         motion : Motion, optional
@@ -238,12 +235,6 @@ class Model(Configured, Operations):
         **others : number
             Quantities of the motion if none is given, and positions of other actuators of the terms, by name and in
             their units; at rest unless given.
-
-        Raises
-        ------
-        InputError
-            If a term needs a particular that the configuration lacks, or divides by a speed of 0, or there is no such
-            actuator.
         """
         if motion is None:
             given = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
@@ -261,17 +252,14 @@ class Model(Configured, Operations):
     def resistance(self, u: float, **positions: Number) -> float:
         """Return the resistance of water and actuators straight ahead on the centreline [N].
 
+        Raises an InputError as ``forces`` does.
+
         Parameters
         ----------
         u : float [m/s]
             Surge velocity.
         **positions : number
             Positions of actuators, as in ``forces``.
-
-        Raises
-        ------
-        InputError
-            As ``forces``.
         """
         return -float(self.forces(Motion.at(u=u), **positions)["X"])
 

@@ -19,17 +19,14 @@ from narrows.terms.term import TermTable
 def save_model(model: Model, path: str | Path) -> None:
     """Write a model file.
 
+    Raises an InputError if the suffix is not that of TOML, or the file cannot be written.
+
     Parameters
     ----------
     model : Model
         The model.
     path : str or Path
         Output file.
-
-    Raises
-    ------
-    InputError
-        If the suffix is not that of TOML, or the file cannot be written.
 
     Examples
     --------
@@ -68,6 +65,8 @@ def _value(value: Any, indent: str = "") -> str:
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     """Read a model file.
 
+    Raises an InputError if the file is absent, or a section, a key or a coefficient is missing or misspelt.
+
     Parameters
     ----------
     path : str or Path
@@ -79,11 +78,6 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     -------
     Model
         The same as the saved model.
-
-    Raises
-    ------
-    InputError
-        If the file is absent, or a section, a key or a coefficient is missing or misspelt.
 
     Examples
     --------

@@ -149,15 +149,12 @@ def limits_left(formula: SquatFormula, configuration: Configuration, speed: floa
 def choke_speed(ship: Configured | Configuration) -> float:
     """Return the critical speed of a ship in its canal [m/s] (Schijf).
 
+    Raises an InputError if the canal has no depth.
+
     Parameters
     ----------
     ship : Model or Configuration
         Ship and canal.
-
-    Raises
-    ------
-    InputError
-        If the canal has no depth.
 
     Examples
     --------
@@ -187,6 +184,9 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     first that gives it, with notes. If the water of voyages (one-dimensional continuity and energy, with Barrass's
     trim) gives more, as near the critical speed, that is used: no ship is clear here that touches in a voyage.
 
+    Raises an InputError if the depth is missing, the ship is as fast as the canal allows or faster, or a name is
+    unknown.
+
     Parameters
     ----------
     ship : Model or Configuration
@@ -197,11 +197,6 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
         ``midship``, ``bow`` or ``largest``.
     formula : str, optional
         Formula to use instead.
-
-    Raises
-    ------
-    InputError
-        If the depth is missing, the ship is as fast as the canal allows or faster, or a name is unknown.
 
     Examples
     --------

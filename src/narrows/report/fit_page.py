@@ -27,6 +27,8 @@ def write_report(
 ) -> None:
     """Write one HTML file with all results of some fits, their main results first.
 
+    Raises an InputError if the file cannot be written.
+
     Parameters
     ----------
     fits : mapping of str to Fit
@@ -37,11 +39,6 @@ def write_report(
         Title of the page.
     answers : mapping of str to BankSummary, optional
         Main results by condition, if computed already.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
     """
     answers = answers or {label: summarise_bank(fit) for label, fit in fits.items()}
     sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]

@@ -222,6 +222,8 @@ def map_figure(
 ) -> Figure:  # fmt: skip
     """Draw a map of voyages: distance to grounding over one or two dimensions, or its probability.
 
+    Raises an InputError if there are more than two dimensions besides the samples.
+
     Parameters
     ----------
     voyages : Dataset
@@ -234,11 +236,6 @@ def map_figure(
         Waterway instead of the model's own canal.
     start : mapping of str to number, optional
         Fixed quantities: u [m/s], psi [rad] and the like, for the title.
-
-    Raises
-    ------
-    InputError
-        If there are more than two dimensions besides the samples.
     """
     quantity = grounding_distance(voyages) if within is None else grounding_probability(voyages, within)
     if within is None and "sample" in quantity.dims:

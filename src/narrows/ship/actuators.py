@@ -53,6 +53,9 @@ class Part(Aliased):
 class Propeller(Part):
     """A propeller of the MMG standard method.
 
+    Raises an InputError if a number is not finite, a size is not positive, the wake is not a fraction, or revolutions
+    are astern and the thrust is known ahead only.
+
     Parameters
     ----------
     diameter : float [m]
@@ -72,12 +75,6 @@ class Propeller(Part):
     astern_0, astern_1, astern_2 : float [1]
         K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2 for revolutions astern; ``with_astern_thrust`` gives those
         of a series. With zeros the thrust astern is unknown, and revolutions astern are refused.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, a size is not positive, the wake is not a fraction, or revolutions are astern and
-        the thrust is known ahead only.
 
     Examples
     --------
@@ -127,6 +124,8 @@ class Propeller(Part):
 class Rudder(Part):
     """A rudder of the MMG standard method.
 
+    Raises an InputError if a number is not finite, or a size is not positive.
+
     Parameters
     ----------
     area : float [m2]
@@ -143,11 +142,6 @@ class Rudder(Part):
         Effective position over L, l_R'.
     straightening_starboard, straightening_port : float [1]
         gamma_R in a turn to starboard (beta_R > 0, flow from port) and to port.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or a size is not positive.
 
     Examples
     --------
@@ -185,6 +179,9 @@ class SteeringGear(Part):
     The gear executes an order after the dead time, moves the rudder towards it by a first-order lag no faster than its
     rate, and stays still while the rudder is within the dead band of the order.
 
+    Raises an InputError if the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the
+    dead band is negative, or there are other than 1 or 2 pumps.
+
     Parameters
     ----------
     limit_deg : float [deg]
@@ -199,12 +196,6 @@ class SteeringGear(Part):
         Largest difference of order and rudder that causes no motion.
     pumps : int
         Running pumps, 1 or 2: one alone turns the rudder half as fast.
-
-    Raises
-    ------
-    InputError
-        If the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the dead band is
-        negative, or there are other than 1 or 2 pumps.
 
     References
     ----------

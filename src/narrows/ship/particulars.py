@@ -19,6 +19,8 @@ from narrows.ship.checks import check_fields, check_particulars
 class Ship(BaseSummary):
     """A hull's main particulars.
 
+    Raises an InputError if a particular is not a positive number or the block coefficient is over 1.
+
     Parameters
     ----------
     length : float [m]
@@ -40,11 +42,6 @@ class Ship(BaseSummary):
         rudder.
     name : str, optional
         Name in reports.
-
-    Raises
-    ------
-    InputError
-        If a particular is not a positive number or the block coefficient is over 1.
 
     Examples
     --------
@@ -85,17 +82,14 @@ class Ship(BaseSummary):
 class Canal(Aliased):
     """A straight canal between two vertical walls.
 
+    Raises an InputError if a value is not a positive number.
+
     Parameters
     ----------
     width : float [m]
         Distance from wall to wall.
     depth : float [m], optional
         Water depth.
-
-    Raises
-    ------
-    InputError
-        If a value is not a positive number.
 
     Examples
     --------
@@ -125,15 +119,12 @@ def _metres(length: float) -> str:
 class Water(Aliased):
     """The water; the default is fresh.
 
+    Raises an InputError if the density is not a number near that of water.
+
     Parameters
     ----------
     density : float [kg/m3]
         Mass density.
-
-    Raises
-    ------
-    InputError
-        If the density is not a number near that of water.
 
     Examples
     --------
@@ -160,6 +151,8 @@ RULE_GEAR = SteeringGear()
 class Configuration(BaseSummary):
     """A ship in its canal and water: all data of a test except the motion.
 
+    Raises an InputError if the ship is wider than the canal or draws more than the depth, or a section is given twice.
+
     Parameters
     ----------
     ship : Ship
@@ -180,11 +173,6 @@ class Configuration(BaseSummary):
         The user's own actuator sections.
     notes : tuple of str
         Values that a file did not give, and what is assumed.
-
-    Raises
-    ------
-    InputError
-        If the ship is wider than the canal or draws more than the depth, or a section is given twice.
 
     Examples
     --------
@@ -300,6 +288,8 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
 
     The water from the origin to the last point keeps its area; the bank's area in it reduces the width.
 
+    Raises an InputError if the points do not go outward, or no water is left.
+
     Parameters
     ----------
     profile : sequence of (m, m)
@@ -307,11 +297,6 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
         is a wall or the end of the slope at the water surface.
     depth : float [m]
         Depth of the water.
-
-    Raises
-    ------
-    InputError
-        If the points do not go outward, or no water is left.
 
     Examples
     --------

@@ -41,6 +41,8 @@ def ship_file_of(source: ShipSource) -> str:
 def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configuration:
     """Read a ship file: TOML with [ship], [canal], and optionally [water], [depths] and sections of actuators.
 
+    Raises an InputError if the file is absent, is not TOML, or a key is missing, unknown or out of range.
+
     Parameters
     ----------
     path : str or Path
@@ -52,11 +54,6 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
     -------
     Configuration
         Ship, canal and water.
-
-    Raises
-    ------
-    InputError
-        If the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
     if not Path(path).exists():
         raise InputError(f"{path}: there is no such ship file; check the path, or write one: {LEAST}")

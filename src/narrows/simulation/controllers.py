@@ -96,15 +96,12 @@ class _WithoutMemory(_Law):
 class ConstantRudder(_WithoutMemory):
     """One rudder angle, ordered at the start: a turning circle.
 
+    Raises an InputError if it is not finite.
+
     Parameters
     ----------
     rudder : float or DataArray [rad]
         Angle, positive if it turns the bow to starboard.
-
-    Raises
-    ------
-    InputError
-        If it is not finite.
 
     Examples
     --------
@@ -130,15 +127,12 @@ class ConstantRudder(_WithoutMemory):
 class RudderSchedule(_WithoutMemory):
     """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
 
+    Raises an InputError if there is no pair, a number is not finite, or the times do not rise.
+
     Parameters
     ----------
     pairs : sequence of (float [s], float [rad])
         Rising times, and orders. An order takes effect at the first step that begins then or later.
-
-    Raises
-    ------
-    InputError
-        If there is no pair, a number is not finite, or the times do not rise.
 
     Examples
     --------
@@ -174,17 +168,14 @@ class RudderSchedule(_WithoutMemory):
 class Zigzag(_Law):
     """The zigzag test: the rudder is reversed each time the heading has changed as far to the other side.
 
+    Raises an InputError if an angle is zero or not finite, or the heading is negative.
+
     Parameters
     ----------
     rudder : float or DataArray [rad]
         Angle of the first order; negative for a first turn to port.
     heading : float or DataArray [rad]
         Heading change at which the order is reversed.
-
-    Raises
-    ------
-    InputError
-        If an angle is zero or not finite, or the heading is negative.
 
     References
     ----------
@@ -226,6 +217,8 @@ class Zigzag(_Law):
 class Autopilot(_WithoutMemory):
     """A track pilot: rudder in proportion to the deviations, added to the rudder of the steady course.
 
+    Raises an InputError if there are not four gains, or a number is not finite.
+
     Parameters
     ----------
     y : float or DataArray [m]
@@ -238,11 +231,6 @@ class Autopilot(_WithoutMemory):
         Heading of the steady course there.
     v : float or DataArray [m/s]
         Sway velocity of the steady course there.
-
-    Raises
-    ------
-    InputError
-        If there are not four gains, or a number is not finite.
 
     Examples
     --------

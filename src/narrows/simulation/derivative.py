@@ -34,6 +34,8 @@ def derivative(
 ) -> np.ndarray:  # fmt: skip
     """Return the rates of x, y, psi, u, v, r of the free ship, from the engine's own lines.
 
+    Raises an InputError if the state is not of six numbers, or an actuator is unknown.
+
     Parameters
     ----------
     model : Model
@@ -58,11 +60,6 @@ def derivative(
     array (6, ...)
         Rates of x, y [m/s], psi [rad/s], u, v [m/s2], r [rad/s2].
 
-    Raises
-    ------
-    InputError
-        If the state is not of six numbers, or an actuator is unknown.
-
     Examples
     --------
     >>> nw.derivative(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0)).shape
@@ -85,6 +82,8 @@ def derivative(
 def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     """Return x, y, psi, u, v, r one step of the engine later, by the Runge-Kutta method of order 4.
 
+    Raises an InputError if the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
+
     Parameters
     ----------
     model : Model
@@ -100,11 +99,6 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     -------
     array (6,)
         As the state.
-
-    Raises
-    ------
-    InputError
-        If the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
 
     Examples
     --------
@@ -204,6 +198,8 @@ def jacobian(
 
     A, B and G are the derivatives of the rates by state, inputs and coefficients.
 
+    Raises an InputError if a number is not finite, or an actuator is unknown.
+
     Parameters
     ----------
     model : Model
@@ -217,11 +213,6 @@ def jacobian(
     -------
     Jacobian
         ``A``, ``B``, ``G`` with the names of their rows and columns.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, or an actuator is unknown.
 
     Examples
     --------
@@ -268,6 +259,8 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
 def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """Map the eigenvalues of motion over states, speeds, canals and coefficients.
 
+    Raises an InputError if a name is unknown, or has no effect.
+
     Parameters
     ----------
     model : Model
@@ -282,11 +275,6 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     xarray.Dataset
         ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real part;
         ``notes`` names models without a bank force and sections outside the tested range.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, or has no effect.
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)

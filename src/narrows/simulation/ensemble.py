@@ -51,6 +51,8 @@ def ensemble(
 ) -> "Fleet":  # fmt: skip
     """Simulate a voyage for every combination of the varied quantities.
 
+    Raises an InputError if a name is unknown, a value does not fit, or a cluster has no store.
+
     Parameters
     ----------
     model : Model
@@ -91,11 +93,6 @@ def ensemble(
         An xarray Dataset whose ``plot()`` draws the map: outcome, grounded, side, time [s], distance [m] and the state
         at the end, over the varied dimensions. After an interruption it holds the finished voyages, and ``complete`` is
         0.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, a value does not fit, or a cluster has no store.
 
     Examples
     --------
@@ -248,6 +245,8 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     It is unknown (NaN) if a voyage ended before that distance in another way: its time ran out, it diverged, turned
     across the canal or left the waterway.
 
+    Raises an InputError if the voyages have no such dimension.
+
     Parameters
     ----------
     voyages : Dataset
@@ -256,11 +255,6 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
         Distance along the canal.
     over : str
         The dimension of the samples.
-
-    Raises
-    ------
-    InputError
-        If the voyages have no such dimension.
 
     Examples
     --------

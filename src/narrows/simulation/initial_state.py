@@ -145,17 +145,14 @@ def voyage_defaults(model: Model, speeds: Any = None) -> VoyageDefaults:
 def self_propulsion(model: Model, u: float) -> float:
     """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
 
+    Raises an InputError if the model has no propeller, or no revolutions reach the speed.
+
     Parameters
     ----------
     model : Model
         A model with terms of a propeller.
     u : float [m/s]
         Surge velocity.
-
-    Raises
-    ------
-    InputError
-        If the model has no propeller, or no revolutions reach the speed.
 
     Examples
     --------

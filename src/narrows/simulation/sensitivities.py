@@ -72,17 +72,14 @@ class Sensitivities(BaseResult):
     def of(self, state: str, by: str) -> np.ndarray:
         """Return one derivative, (times,).
 
+        Raises an InputError if it was not requested.
+
         Parameters
         ----------
         state : {"x", "y", "psi", "u", "v", "r"}
             State.
         by : str
             Quantity of the differentiation.
-
-        Raises
-        ------
-        InputError
-            If it was not requested.
         """
         if state not in STATES or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")
@@ -132,6 +129,8 @@ def sensitivities(
     control law in arithmetic is differentiated with the ship. At a kink, such as ``abs(v)`` at 0, the derivative is the
     mean of both sides.
 
+    Raises an InputError if the voyage is impossible, a name is unknown, or the controller is an object of Python.
+
     Parameters
     ----------
     model : Model
@@ -146,11 +145,6 @@ def sensitivities(
     -------
     Sensitivities
         The voyage, and ``slopes`` at each of its times.
-
-    Raises
-    ------
-    InputError
-        If the voyage is impossible, a name is unknown, or the controller is an object of Python.
 
     Examples
     --------

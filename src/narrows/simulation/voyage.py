@@ -154,6 +154,8 @@ class Voyage(Tabulated):
     def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
         """Show an animation of the ship between its banks.
 
+        Raises an InputError if the suffix is another, or the file cannot be written.
+
         Parameters
         ----------
         path : str or Path, optional
@@ -165,11 +167,6 @@ class Voyage(Tabulated):
         -------
         matplotlib.animation.FuncAnimation
             In a notebook, ``HTML(voyage.animate().to_jshtml())`` shows it.
-
-        Raises
-        ------
-        InputError
-            If the suffix is another, or the file cannot be written.
         """
         return narrows.report.animation_of(self, path, seconds)
 
@@ -200,10 +197,7 @@ class Voyage(Tabulated):
     def track(self) -> Track:
         """Return the ship's track on earth.
 
-        Raises
-        ------
-        InputError
-            If its waterway has no place on earth.
+        Raises an InputError if its waterway has no place on earth.
         """
         if self.waterway is None or self.waterway.origin is None:
             raise InputError("a track on a map needs a waterway with a position on earth (--waterway canal.geojson)")
@@ -227,6 +221,9 @@ def simulate(
     """Simulate one voyage until the ship grounds or the time is up.
 
     The method is the classical Runge-Kutta method of order 4 with step ``dt``; a contact is located within its step.
+
+    Raises an InputError if an input is not finite, the hull touches a bank at the start, surge lacks an inertia, or a
+    controller has no rudder.
 
     Parameters
     ----------
@@ -280,12 +277,6 @@ def simulate(
     -------
     Voyage
         Columns and outcome.
-
-    Raises
-    ------
-    InputError
-        If an input is not finite, the hull touches a bank at the start, surge lacks an inertia, or a controller has no
-        rudder.
 
     Examples
     --------

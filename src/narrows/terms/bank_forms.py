@@ -122,6 +122,8 @@ FORMS = {
 def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTable:
     """Return a table with another form of its bank term.
 
+    Raises an InputError if there is no such form.
+
     Parameters
     ----------
     table : TermTable
@@ -130,11 +132,6 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
         One of ``FORMS``, or your own.
     name : str
         Name of the new table; ``table+form`` unless given.
-
-    Raises
-    ------
-    InputError
-        If there is no such form.
 
     Examples
     --------

@@ -86,6 +86,9 @@ class DepthLaw:
 class Term(BaseSummary):
     """One coefficient of a model and the regressor that it multiplies.
 
+    Raises an InputError if the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's
+    width although its kind is not ``bank``.
+
     Parameters
     ----------
     name : str
@@ -110,12 +113,6 @@ class Term(BaseSummary):
         Effect by which the coefficient deviates from Froude's law.
     actuator : Actuator, optional
         The user's own actuator, whose quantities the regressor uses besides those of the vocabulary.
-
-    Raises
-    ------
-    InputError
-        If the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's width although
-        its kind is not ``bank``.
 
     Examples
     --------
@@ -200,6 +197,9 @@ class Term(BaseSummary):
 class TermTable(BaseSummary):
     """The terms of surge force, sway force and yaw moment, and which coefficients are equal.
 
+    Raises an InputError if there are no terms, two terms or two actuators share a name, a term has the name of a force,
+    or a tie names no term.
+
     Parameters
     ----------
     name : str
@@ -210,12 +210,6 @@ class TermTable(BaseSummary):
         Coefficients held equal.
     letters : tuple of str
         First letters of the coefficients in X, Y and N.
-
-    Raises
-    ------
-    InputError
-        If there are no terms, two terms or two actuators share a name, a term has the name of a force, or a tie names
-        no term.
 
     Examples
     --------

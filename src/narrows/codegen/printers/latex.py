@@ -61,6 +61,8 @@ def latex(
     Quantities that several terms share, such as the inflow to a rudder, are defined below with the symbols of the MMG
     standard method, or as ``q_1`` and so on.
 
+    Raises an InputError if a force does not exist, or a regressor does more than arithmetic.
+
     Parameters
     ----------
     table : TermTable
@@ -69,11 +71,6 @@ def latex(
         Values to write instead of the coefficients' symbols, to four digits.
     forces : sequence of str
         Forces to write: ``X``, ``Y``, ``N``.
-
-    Raises
-    ------
-    InputError
-        If a force does not exist, or a regressor does more than arithmetic.
 
     Examples
     --------

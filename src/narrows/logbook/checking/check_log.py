@@ -232,6 +232,8 @@ def check_log(
     units and axes are compared by their likelihood. The strongest fault is named with its size and its effect on
     the coefficients; mend it and check again. A quiet record has little information: a clean log is no proof.
 
+    Raises an InputError where there is no record.
+
     Parameters
     ----------
     log, model : ShipLog, StreamedLog, ShipRecord, sequence of them, table, voyage or path; Model
@@ -240,11 +242,6 @@ def check_log(
         Line of x and y, and banks; default: the log's own.
     sensors, spread : str or SensorGrade; float or mapping of str to float, optional
         As for ``learn``; a tenth of each coefficient where the model has no covariance.
-
-    Raises
-    ------
-    InputError
-        Where there is no record.
     """
     log = log_records(log, waterway)
     water = getattr(log, "waterway", None) if waterway is None else waterway

@@ -53,6 +53,8 @@ def learn(
     their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. Ctrl-C
     ends the search and keeps what was found. The result tells what was learned and what still comes from the prior.
 
+    Raises an InputError where the model has neither covariance nor spread, a name is unknown, or no record can be used.
+
     Parameters
     ----------
     model, log : Model; ShipLog, StreamedLog, ShipRecord, sequence of records, table, voyage or path
@@ -72,11 +74,6 @@ def learn(
         Line of x and y; the one of the log, or else the model's own canal.
     **choices : Any
         As for ``simulate``: surge, surge_inertia, coriolis.
-
-    Raises
-    ------
-    InputError
-        Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
     posed = partial(log_problem, model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry,
                     waterway=waterway, **choices)  # fmt: skip

@@ -37,6 +37,8 @@ def read_log(
     was not measured. Tables of the Danish and of NOAA's AIS archive are read as they are, speeds in knots and
     directions in degrees by the standard of AIS.
 
+    Raises an InputError in one sentence with file, row, column and remedy.
+
     Parameters
     ----------
     log : str, Path, DataFrame, Dataset, or a sequence of them
@@ -52,11 +54,6 @@ def read_log(
     gap, mmsi : float [s], int, optional
         A time without a row after which another record begins, where no column ``record`` names them; whose AIS reports
         to read of a recording or an archive, by default what the ship reports of itself.
-
-    Raises
-    ------
-    InputError
-        In one sentence with file, row, column and remedy.
     """
     parts = log if isinstance(log, list | tuple) else [log]
     if not parts:
@@ -102,15 +99,12 @@ def stream_log(
 ) -> StreamedLog:  # fmt: skip
     """Open a log whose records are read one by one each time they are asked for; fits take it as a ``ShipLog``.
 
+    Raises an InputError where the file is absent, or an option is none; rows are checked as they pass.
+
     Parameters
     ----------
     log, waterway, mapping, units, gap, mmsi : Any
         As for ``read_log``: a table or one file of CSV, text, Parquet or NMEA 0183, and ``gap`` in [s].
-
-    Raises
-    ------
-    InputError
-        Where the file is absent, or an option is none; rows are checked as they pass.
     """
     if not gap > 0:
         raise InputError(f"gap = {gap} s is no time without a row; give one over 0")

@@ -143,6 +143,9 @@ def learn_steady(
     speed and angles make it otherwise. No pilot enters. Wind and the zeros of the instruments are unknown and the same
     on all legs; the slope over both sides cancels them.
 
+    Raises an InputError where the model has no rudder or no covariance, or the rows are no legs of this ship in this
+    canal.
+
     Parameters
     ----------
     model : Model
@@ -152,11 +155,6 @@ def learn_steady(
         known; SI and radians unless a header has a unit (``rudder [deg]``).
     errors, conditions : ReadingErrors, SteadyConditions, optional
         Errors that the rows lack; sizes of wind and zeros, and the remaining motion on a leg.
-
-    Raises
-    ------
-    InputError
-        Where the model has no rudder or no covariance, or the rows are no legs of this ship in this canal.
     """
     check_rudder(model)
     check_covariance(model)

@@ -136,6 +136,9 @@ def plan_steady(
     samples of the coefficients the steady rudder leaves its reserve, and side and keel their clearance. Whether a pilot
     holds the ship there is a test of ``safe_envelope``.
 
+    Raises an InputError where the model has no rudder or no covariance, a number is out of range, or a target is
+    unknown.
+
     Parameters
     ----------
     model : Model
@@ -152,11 +155,6 @@ def plan_steady(
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     samples, seed : int
         Number and seed of the samples of the coefficients.
-
-    Raises
-    ------
-    InputError
-        Where the model has no rudder or no covariance, a number is out of range, or a target is unknown.
     """
     check_rudder(model)
     check_covariance(model)

@@ -40,15 +40,12 @@ class ReadingErrors(BaseSummary):
 
     They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
 
+    Raises an InputError where one is negative or not finite, or that of the rudder, the drift or the heading is 0.
+
     Parameters
     ----------
     y, u, rudder_deg, drift_deg, heading_deg : float [m], [m/s], [deg]
         Errors of the offset, of the speed through the water, and of the angles.
-
-    Raises
-    ------
-    InputError
-        Where one is negative or not finite, or that of the rudder, the drift or the heading is 0.
 
     Examples
     --------
@@ -194,6 +191,8 @@ class SteadyConditions(BeamWind):
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
     are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.
 
+    Raises an InputError where a number is negative or not finite, or the time of a leg is 0.
+
     Parameters
     ----------
     wind : float [m/s]
@@ -211,11 +210,6 @@ class SteadyConditions(BeamWind):
         Mean yaw rate over a leg, and the changes of yaw rate and sway velocity over it.
     leg_time : float [s]
         Duration of the readings of a leg.
-
-    Raises
-    ------
-    InputError
-        Where a number is negative or not finite, or the time of a leg is 0.
 
     Examples
     --------

@@ -99,6 +99,9 @@ def predict_information(
     The best-estimate ship is simulated with a pilot whose aim wanders, in gusts, and its sensors are simulated. The
     standard errors follow from the expected (Fisher) information of the likelihood that ``learn`` maximises.
 
+    Raises an InputError where the model or the sensors have no rudder, the model no covariance, a number is out of
+    range, or the ship does not come through.
+
     Parameters
     ----------
     model : Model
@@ -114,12 +117,6 @@ def predict_information(
         Coefficients of interest, by default those of the bank.
     conditions, seed : TransitConditions, int
         Wind, gusts, wander of the aim; seed of these.
-
-    Raises
-    ------
-    InputError
-        Where the model or the sensors have no rudder, the model no covariance, a number is out of range, or the ship
-        does not come through.
     """
     check_rudder(model)
     check_covariance(model)

@@ -30,6 +30,8 @@ from narrows.waterway import Waterway
 class TransitConditions(BeamWind):
     """Wind and aim of transits, as standard deviations.
 
+    Raises an InputError where a number is negative or not finite, a time is 0, or a correlation is more than 1.
+
     Parameters
     ----------
     wind : float [m/s]
@@ -42,11 +44,6 @@ class TransitConditions(BeamWind):
         Wander of a pilot's aim about the middle, and its correlation time.
     gust_correlation : float [1]
         Between force and moment of gusts: 1 where they act at one place ahead of midship.
-
-    Raises
-    ------
-    InputError
-        Where a number is negative or not finite, a time is 0, or a correlation is more than 1.
 
     Examples
     --------
