@@ -119,7 +119,6 @@ def test_a_twin_of_the_plan_has_the_errors_that_were_promised(plan: nw.Plan, twi
         assert 0.3 < np.std(twins[0][name]) / plan.std[name][-1] < 1.2
 
 
-@pytest.mark.xfail(reason="half widths of twins of this plan are 1.55 times what the plan promises", strict=True)
 def test_a_twin_of_the_plan_has_the_interval_that_was_promised(plan: nw.Plan, twins: Twins) -> None:
     for name in plan.targets:
         assert np.median(twins[1][name]) == pytest.approx(plan.reach[name], rel=0.5)
