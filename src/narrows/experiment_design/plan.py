@@ -195,10 +195,10 @@ def plan_tests(
     sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
     notes = (
         f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(configuration):g} m of "
-        "steady motion a run.",
-        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
-        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
-        "bank are unknown too.",
+        "steady motion per run.",
+        f"Assumed: runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and "
+        f"{errors.form:.1%} of their force in model form; the form of the bank and a zero that all runs share are "
+        "uncertain too.",
         *limits,
     )
     std_of, usual_of = dict(zip(names, std.T, strict=True)), dict(zip(names, usual, strict=True))

@@ -94,7 +94,7 @@ class BankSummary:
 
     def _next_runs(self) -> str:
         if self.settled:
-            return "More runs are not needed to show the bank's force; narrows plan chooses those that narrow it most."
+            return "No more runs are needed to identify the bank force; narrows plan chooses runs to narrow it further."
         what = listed(missing_runs(self.fit)) or "motions other than these"
         return f"Run next: {what}; narrows plan --after chooses them."
 

@@ -296,7 +296,8 @@ class Model(Configured, Operations):
             if term.from_bank and self.coefficients[term.name]
             and (verdict := self.verdicts.get(term.name, SETTLED)) != SETTLED
         ]  # fmt: skip
-        return f"The tests do not determine the bank force: {', '.join(doubted)}." if doubted else ""
+        without = "No tests of this ship" if self.source.estimate else "The tests do not"
+        return f"{without} determine the bank force: {', '.join(doubted)}." if doubted else ""
 
     @property
     def bank_notes(self) -> tuple[str, ...]:

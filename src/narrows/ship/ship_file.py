@@ -56,7 +56,9 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
         Ship, canal and water.
     """
     if not Path(path).exists():
-        raise InputError(f"{path}: there is no such ship file; check the path, or write one: {LEAST}")
+        raise InputError(
+            f"{path}: there is no such ship file (nw.published has the package's ships); check, or write one: {LEAST}"
+        )
     return configuration_from(load_toml(path), str(path), actuators)
 
 

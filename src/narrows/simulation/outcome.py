@@ -124,7 +124,7 @@ class Outcome(Aliased):
     @property
     def sentence(self) -> str:
         """The outcome in words, with its notes."""
-        return " ".join([self.ending, *self.notes])
+        return " ".join([self.ending, *(f"{note.removesuffix('.')}." for note in self.notes)])
 
     def to_dict(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""
