@@ -162,6 +162,14 @@ def test_gains_go_with_the_speed() -> None:
     assert one.outcome.kind == "afloat"
 
 
+def test_steps_of_four_seconds_hold_the_ship_as_shorter_ones_do() -> None:
+    """The rudder's own gain is taken at the end of the step: 0.2/s over 4 s would otherwise overshoot."""
+    model = nw.published("estimated_kcs")
+    law = regulator(model, y=0.0, u=4.0)
+    fine, coarse = (nw.simulate(model, y=10.0, u=4.0, duration=400.0, dt=dt, controller=law) for dt in (0.5, 4.0))
+    assert np.interp(coarse.t, fine.t, fine.y) == pytest.approx(coarse.y, abs=0.6)
+
+
 def test_the_integral_is_led_back_where_the_gear_cannot_follow() -> None:
     model = replace(steered(), configuration=replace(steered().configuration, steering=nw.SteeringGear(6.0, 5.0)))
     law, y = regulator(model, 0.0, 1.0), 0.0

@@ -92,6 +92,18 @@ def test_lanes_move_as_voyages_do() -> None:
     np.testing.assert_allclose(after(rows())[:6], sailed(steered()), rtol=1e-12, atol=1e-14)
 
 
+def test_states_are_those_that_may_deviate() -> None:
+    """The motion, then what has a prior or a walk: a rudder without an error of its zero has no state for it."""
+    usual = ("x", "y", "psi", "u", "v", "r", "bank", "current", "current_across", "rudder_bias")
+    of_gnss = ("gnss_x_wander", "gnss_y_wander")
+    assert estimator().filter.states.names == (*usual, *of_gnss)
+    exact = Estimator(steered(), [*SENSORS, RudderIndicator(bias=0.0)], prior=Prior(current=0.0, current_across=0.0))
+    assert exact.filter.states.names == (*usual[:-1], *of_gnss)  # a current may walk from 0
+    calm = ProcessNoise(current=0.0, current_across=0.0, bank=0.0)
+    still = Estimator(steered(), SENSORS, prior=Prior(current=0.0, current_across=0.0, bank=0.0), noise=calm)
+    assert still.filter.states.names == (*usual[:6], *of_gnss)
+
+
 def test_a_long_time_is_taken_in_steps_no_longer_than_the_limit() -> None:
     """The rudder turns on from step to step, as in as many calls."""
     made = estimator(step=0.25).filter

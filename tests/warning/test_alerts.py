@@ -18,6 +18,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 import narrows as nw
 from narrows.readers.nmea.nmea_sentences import sentences, with_checksum
+from narrows.warning import settings as numbers
 from narrows.warning.alerts.alert import (
     BANKS,
     CALM,
@@ -387,3 +388,16 @@ def test_kill_9_loses_no_published_alert(tmp_path: Path) -> None:
         published = max(int(line) for line in told if line.strip())
         assert len(list(logged(path))) >= published
     assert published >= 24
+
+
+def test_times_that_a_navigator_sees() -> None:
+    """Written out: a change here changes what the bridge sees and hears. IEC 62923-1 has the 30 s of silence."""
+    assert (numbers.SILENCE, numbers.REPEAT_AFTER, numbers.MOST_REPEATS) == (30.0, 60.0, 9)
+    assert (numbers.HOLD_TIME, numbers.RAISE_DELAY, numbers.LOWER_DELAY, numbers.HYSTERESIS) == (10, 2, 10, 0.7)
+    assert (numbers.HEARTBEAT, numbers.LIST_INTERVAL) == (60.0, 30.0)
+    assert (numbers.GRACE, numbers.SENSOR_SILENCE, numbers.OTHER_SENSOR_SILENCE) == (20.0, 3.0, 10.0)
+    assert (numbers.BLIND_AFTER, numbers.DOUBT_HOLD_TIME, numbers.SOURCE_SILENCE) == (10.0, 10.0, 5.0)
+    assert (numbers.DRAFT_TOLERANCE, numbers.DEPTH_TOLERANCE, numbers.NEAR_MISS) == (0.03, 0.1, 20.0)
+    assert (numbers.HORIZON, numbers.ESCAPE_TIME, numbers.WRONG_ORDER_TIME) == (120.0, 100.0, 40.0)
+    assert (numbers.CONTACT_CLEARANCE, numbers.NEEDED_TIME, numbers.BEFORE_CONTACT) == (5.0, 10.0, 300.0)
+    assert (numbers.SIGNAL_K_AGE, numbers.LATE, numbers.OLDEST_UPDATE) == (5.0, 60.0, 2.0)
