@@ -264,7 +264,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: nw.Waterway.from_geojson("axis.geojson", width=300.0),
         "write path=... of a file with both banks; narrows waterway --line FILE",
     ),
-    'nw.export_c(model, "c", path)': (lambda: nw.export.write(DTC, "c", "dtc.h"), "no export 'dtc.h'; give the model"),
     "nw.load_ship(name)": (lambda: nw.load_ship("kcs"), "nw.published has the package's ships"),  # type: ignore[attr-defined]
     "nw.simulate(heading_deg=)": (lambda: nw.simulate(DTC, heading_deg=2.0), "write psi=..., in radians"),
     "nw.simulate(n_steps=)": (lambda: nw.simulate(DTC, n_steps=100), "write at=..., the times"),
@@ -459,6 +458,7 @@ assert nw.straight_waterway(**wide, length="5000 m").line.length > 4999
 assert nw.simulate(kcs, u=4.0, rudder="10deg", duration="1 s").rudder[0] == np.radians(10)
 assert nw.turning_circle(kcs, "35 deg").advance == nw.turning_circle(kcs, 35).advance
 assert nw.squat(kcs, 4.0).bow == nw.squat(kcs, 4.0, "bow").sinkage and 4 < nw.squat(kcs, 4.0).ukc < 5.4
+nw.export(pub, "c", "again.h"); assert nw.straight_waterway(**wide).line.length > 9_999
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

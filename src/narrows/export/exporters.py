@@ -77,6 +77,8 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     ----------
     Fossen and Perez, Marine Systems Simulator, https://github.com/cybergalactic/MSS
     """
+    if str(path) in EXPORTERS and "." in kind:  # As in export(model, "c", "dtc.h")
+        path, kind = kind, str(path)
     if kind and kind not in EXPORTERS:
         raise InputError(f"there is no export {kind!r}; give the model, the path and one of: {', '.join(EXPORTERS)}")
     exporter = EXPORTERS[kind] if kind else BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]

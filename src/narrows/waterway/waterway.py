@@ -273,7 +273,7 @@ def _turned(angle: np.ndarray) -> np.ndarray:
 
 
 @accept_aliases
-def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Waterway:
+def straight_waterway(canal: Canal, length: float = 10_000.0, heading: float = 0.0) -> Waterway:
     """Return a straight canal as a waterway.
 
     Raises an InputError if the length is not positive.
@@ -283,7 +283,7 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     canal : Canal
         Its width and depth.
     length : float [m]
-        Length from end to end.
+        Length from end to end; 10 km unless given.
     heading : float [rad]
         Clockwise from north.
 
