@@ -8,6 +8,7 @@ import pytest
 
 import narrows as nw
 from narrows.safety.channel_rules import BANKS, CHANNEL_RULES, READ
+from narrows.safety.result import _excess
 
 KNOT = 1852 / 3600  # [m/s] international nautical mile of 1852 m (Monaco, 1929) in an hour
 
@@ -190,3 +191,13 @@ def test_the_answer_carries_the_rules_into_its_files(certain: nw.Model, tmp_path
     dry = replace(certain, configuration=replace(certain.configuration, canal=nw.Canal(300.0)))
     unknown = nw.safe_envelope(dry, np.array([0.0]), np.array([3.0]), samples=1)
     assert math.isnan(unknown.rules.depth)
+
+
+@pytest.mark.parametrize(("offsets", "most", "words"), [
+    ([-10.0, 50.0], 30.0, "A rule (+20 m instead of +50 m)"),
+    ([-35.0, 10.0], 15.0, "A rule (-20 m instead of -35 m)"),
+    ([-20.0, 20.0], 0.0, ""),
+])  # fmt: skip
+def test_safe_offsets_beyond_a_rule(offsets: list[float], most: float, words: str) -> None:
+    row = {"port": -20.0, "starboard": 20.0, "rule": "A rule", "standing": "checked in the source"}
+    assert _excess(row, np.array(offsets)) == (most, words)

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.least_squares import bounded_problem, kkt_residuals, solve
+from narrows.identification import least_squares
+from narrows.identification.least_squares import bounded_problem, kkt_residuals, solve, solve_many
 from narrows.identification.normal_equations import accumulate
 
 
@@ -71,6 +72,21 @@ def test_solver_agrees_with_every_active_set(seed: int) -> None:
     solution = solve(h, g, lower, np.full(6, np.inf))
     np.testing.assert_allclose(solution.z, brute_force(h, g, lower), rtol=1e-7, atol=1e-9)
     assert solution.kkt.satisfied
+
+
+def test_a_stack_of_problems_is_solved_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As one by one, with bounds on both sides, and without falling back on that."""
+    random = np.random.default_rng(4)
+    roots = random.standard_normal((200, 5, 5))
+    h, g = roots @ roots.swapaxes(1, 2) + 0.5 * np.eye(5), 3.0 * random.standard_normal((200, 5))
+    lower, upper = np.full(5, -0.4), np.array([0.3, 0.5, np.inf, 0.2, 0.4])
+    each = np.array([solve(one, other, lower, upper).z for one, other in zip(h, g, strict=True)])
+    assert (each == lower).any()
+    assert (each == upper).any()
+    fallen_back: list[int] = []
+    monkeypatch.setattr(least_squares, "solve", lambda *given: fallen_back.append(1) or solve(*given))
+    np.testing.assert_allclose(solve_many(h, g, lower, upper), each, atol=1e-9)
+    assert len(fallen_back) < 10  # the primal-dual method may cycle
 
 
 def test_conditions_fail_at_a_wrong_point() -> None:
