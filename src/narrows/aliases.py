@@ -140,8 +140,7 @@ def _with_parts(parameters: Any, free: list[str], given: dict[str, Any]) -> dict
                 name: name if name in fields else name_here(name, "arguments", fields.__contains__) for name in rest
             }
             if sizes := {ours: rest.pop(name) for name, ours in here.items() if ours}:
-                takes_mapping = not whole and "Mapping" in str(parameters[part].annotation)
-                rest[part] = sizes if takes_mapping else kind(**sizes)
+                rest[part] = kind(**sizes) if whole or "Mapping" not in str(parameters[part].annotation) else sizes
     if whole and {"ship", "canal"} <= rest.keys():
         rest[whole] = narrows.Configuration(rest.pop("ship"), rest.pop("canal"))
     return rest
