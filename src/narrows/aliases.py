@@ -51,70 +51,85 @@ def accept_aliases(function: Function) -> Function:
     if isinstance(function, type):
         function.__init__ = accept_aliases(function.__init__)  # type: ignore[misc]
         return function
-    parameters = inspect.signature(function).parameters
-    # A model that heads the arguments, of a method or an ``__init__`` after the object.
-    head = (
-        next((name for name in parameters if name != "self"), "") if function.__qualname__[:6] != "Model." else "self"
-    )
-    more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
-    own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
-
-    def takes(ours: str) -> bool:
-        # A fleet varies any quantity; positions are those of actuators alone.
-        return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
-
-    def is_own(row: str) -> bool:
-        return row.startswith(f"{own}.")
-
-    def names_own(row: str) -> bool:
-        named = set(re.findall(r"\b(\w+)=", row))
-        return named <= parameters.keys() | (aliases("arguments").keys() if more else set())
-
-    def written_without(name: str) -> str:
-        stem = name.rpartition("_")[0]
-        if f"{own}.{stem}" in aliases("own_arguments"):  # Not in SI
-            return ""
-        if stem in parameters or (stem in aliases("arguments") and takes(stem)):
-            return stem
-        return name_here(stem, "arguments", takes) or name_here(stem, "objects", parameters.__contains__) or ""
-
-    def converted(name: str, value: Any) -> Any:
-        """Return the model of a fit or file, and a number that is written with its unit in SI, or degrees."""
-        if name == head in ("self", "model"):
-            return _model_of(value)
-        if not isinstance(value, str) or name not in (*aliases("arguments"), "speed", "heading"):
-            return value
-        names = import_module("narrows.quantities.names")
-        number = names.in_si(value, name)
-        return number / names.DEGREE if f"{own}.{name}" in aliases("own_arguments") and number != value else number
+    arguments = Arguments(function)
+    names = [*arguments.parameters]
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
-        given = _with_parts(parameters, [*parameters][len(values) :], given)
-        for name in given.keys() - parameters.keys():
-            if more and name in aliases("arguments"):
+        given = arguments.renamed(_with_parts(arguments.parameters, names[len(values) :], given))
+        values = (*map(arguments.converted, names, values), *values[len(names) :])
+        given = {name: arguments.converted(name, value) for name, value in given.items()}
+        try:
+            return function(*values, **given)
+        except TypeError:
+            _check_fits(arguments.own, function, values, given)
+            raise
+
+    return called  # type: ignore[return-value]
+
+
+class Arguments:
+    """The arguments of a function under their other names, and their values with units."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.parameters = inspect.signature(function).parameters
+        self.own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+        # A model that heads the arguments, of a method or an ``__init__`` after the object.
+        first = next((name for name in self.parameters if name != "self"), "")
+        self.model = "self" if function.__qualname__.startswith("Model.") else "model" if first == "model" else ""
+        self.more = next((own.name for own in self.parameters.values() if own.kind is own.VAR_KEYWORD), "")
+
+    def renamed(self, given: dict[str, Any]) -> dict[str, Any]:
+        """Return named arguments by the names here; raise where a name is answered with what to write."""
+        for name in given.keys() - self.parameters.keys():
+            if self.more and name in aliases("arguments"):
                 continue
-            # A name can be that of two arguments (h: a step or a depth): the function has one of them.
-            ours = name_here(name, "own_arguments", is_own) or name_here(name, "arguments", takes)
-            ours = (ours or name_here(name, "objects", parameters.__contains__) or "").rpartition(".")[2]
-            if not ours and (stem := written_without(name)) and (size := unit_of(name, stem)):
+            ours = self._name_here(name)
+            if not ours and (stem := self._without_unit(name)) and (size := unit_of(name, stem)):
                 ours, value = stem, given[name]
                 given[name] = value if isinstance(value, str | None) else np.multiply(size, value)
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
-            elif meant := name_here(name, "other_arguments", names_own):
-                raise InputError(f"{own} has no argument {name!r}; write {meant}")
-        values = (*map(converted, parameters, values), *values[len(parameters) :])
-        given = {name: converted(name, value) for name, value in given.items()}
-        try:
-            return function(*values, **given)
-        except TypeError:
-            _check_fits(own, function, values, given)
-            raise
+            elif meant := name_here(name, "other_arguments", self._are_own):
+                raise InputError(f"{self.own} has no argument {name!r}; write {meant}")
+        return given
 
-    return called  # type: ignore[return-value]
+    def converted(self, name: str, value: Any) -> Any:
+        """Return the model of a fit or file, and a number that is written with its unit in SI, or degrees."""
+        if name == self.model:
+            return _model_of(value)
+        if not isinstance(value, str) or name not in (*aliases("arguments"), "speed", "heading"):
+            return value
+        names = import_module("narrows.quantities.names")
+        number = names.in_si(value, name)
+        in_degrees = f"{self.own}.{name}" in aliases("own_arguments") and number != value
+        return number / names.DEGREE if in_degrees else number
+
+    def _name_here(self, name: str) -> str:
+        # A name can be that of two arguments (h: a step or a depth): the function has one of them.
+        ours = name_here(name, "own_arguments", lambda row: row.startswith(f"{self.own}."))
+        ours = ours or name_here(name, "arguments", self._takes)
+        return (ours or name_here(name, "objects", self.parameters.__contains__) or "").rpartition(".")[2]
+
+    def _takes(self, ours: str) -> bool:
+        # A fleet varies any quantity; positions are those of actuators alone.
+        return ours in self.parameters or (bool(self.more) and (self.more != "positions" or ours == "rudder"))
+
+    def _are_own(self, row: str) -> bool:
+        named = set(re.findall(r"\b(\w+)=", row))
+        return named <= self.parameters.keys() | (aliases("arguments").keys() if self.more else set())
+
+    def _without_unit(self, name: str) -> str:
+        stem = name.rpartition("_")[0]
+        if f"{self.own}.{stem}" in aliases("own_arguments"):  # Not in SI
+            return ""
+        if stem in self.parameters or (stem in aliases("arguments") and self._takes(stem)):
+            return stem
+        return (
+            name_here(stem, "arguments", self._takes) or name_here(stem, "objects", self.parameters.__contains__) or ""
+        )
 
 
 def unit_of(name: str, ours: str) -> float | None:
