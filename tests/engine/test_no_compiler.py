@@ -1,9 +1,11 @@
 """Without Numba and without threads, as in a browser: imports, fits, voyages, and fleets by columns of NumPy."""
 
 import json
+import os
 import re
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ import narrows as nw
 from narrows.simulation.outcome import KINDS
 from narrows.waterway import Bank, Centreline, Waterway
 
+TESTS = Path(__file__).parents[1]
 BROWSER = """
 import json, sys, threading
 def refused(self):
@@ -59,7 +62,8 @@ own.{}
 
 @pytest.mark.parametrize("work", ["sails_to('corners')", "sails_to('midship')", "feels_gear_law_and_waterway()"])
 def test_columns_end_as_single_voyages_do(work: str) -> None:
-    done = subprocess.run([sys.executable, "-c", BESIDE.format(work)], capture_output=True, text=True)
+    beside = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))}
+    done = subprocess.run([sys.executable, "-c", BESIDE.format(work)], capture_output=True, text=True, env=beside)
     assert done.returncode == 0, done.stderr
 
 

@@ -164,7 +164,7 @@ def test_the_command_prints_trials(cli, tmp_path) -> None:
     assert tracks.stat().st_size > 5_000
     code, _, error = cli("trials", "yasukawa2015_kvlcc2", "--speed", "1.179", "--zigzags", "ten")
     assert code == 2
-    assert "write 10/10,20/20" in error
+    assert "such as 10/10,20/20" in error
 
 
 def test_without_banks_a_canal_model_turns_in_open_water(dtc: nw.Model) -> None:

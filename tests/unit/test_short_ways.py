@@ -74,8 +74,9 @@ def test_circles_and_zigzags_are_those_of_the_trials() -> None:
         nw.turning_circle(model, np.radians(35))
     with pytest.raises(nw.InputError, match="a heading of 0"):
         nw.zigzag(model, 20, np.radians(20))
+    assert nw.turning_circle(model, "-35deg", speed).tactical_diameter == circle.tactical_diameter
     with pytest.raises(nw.InputError, match="must be a finite number"):
-        nw.turning_circle(model, "35deg")
+        nw.turning_circle(model, "hard over")
 
 
 def test_a_trial_approaches_at_a_steady_speed() -> None:
