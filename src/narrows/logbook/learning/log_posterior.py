@@ -72,14 +72,14 @@ def with_asymmetry(model: Model, u: float) -> Model:
     whole = np.array(model.covariance)
     still, turned = model.forces(u=u), model.forces(u=u, rudder=RUDDER_ZERO)
     more = model.with_coefficients(**{name: model[name] + 1.0 for name in names}).forces(u=u)
-    for force, name in zip(("Y", "N"), names, strict=True):
-        place, size = model.terms.names.index(name), (turned[force] - still[force]) / (more[force] - still[force])
-        whole[place, place] = whole[place, place] or float(size) ** 2
-    for force, row in (("Y", 0), ("N", 1)):
+    sizes = {name: (turned[f] - still[f]) / (more[f] - still[f]) for f, name in zip(("Y", "N"), names, strict=True)}
+    for row, force in enumerate(("Y", "N")):
         own = [term.name for term in model.terms.forces[force] if STRAIGHTENED in term.inputs]
         for terms, share in RUDDER_ASYMMETRIES if len(own) > 1 else ():
-            place = model.terms.names.index(terms.names(model.terms)[row])
-            whole[place, place] = whole[place, place] or (share * model[own[0]]) ** 2
+            sizes[terms.names(model.terms)[row]] = share * model[own[0]]
+    for name, size in sizes.items():
+        place = model.terms.names.index(name)
+        whole[place, place] = whole[place, place] or float(size) ** 2
     return replace(model, covariance=whole)
 
 
