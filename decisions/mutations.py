@@ -35,6 +35,7 @@ TESTS = {
         "unit/test_consistency.py",
     ],
     "estimation/fault_bank.py": [
+        "unit/test_fault_bank.py",
         "unit/test_estimation_numbers.py",
         "unit/test_estimation_algebra.py",
         "unit/test_estimator.py",
