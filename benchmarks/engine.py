@@ -22,11 +22,11 @@ from rich.table import Table
 
 import narrows as nw
 from narrows.captive.measured import measured_files
+from narrows.model.tables import table_named
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.ship import SimulatedShip, steering_of
-from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")

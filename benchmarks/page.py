@@ -26,10 +26,10 @@ import narrows as nw
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu import lacks_zig
 from narrows.export.page.assembly import SHIP, bundled, model_script, wasm_of
+from narrows.model.tables import table_named
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.tables import table_named
 
 ROUNDS, STEPS, ACROSS = 5, 650, 200
 MAPS, PAINTS = 8, 6

@@ -14,8 +14,8 @@ from matplotlib.figure import Figure
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.model.bank_forms import without_bank
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
-from narrows.terms.bank_forms import without_bank
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
 NO_BANK = "no bank"

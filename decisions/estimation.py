@@ -30,8 +30,8 @@ from narrows.estimation import (
     consistency,
 )
 from narrows.estimation.consistency import sail_twins
+from narrows.model.tables import table_named
 from narrows.report.figures import track_figure
-from narrows.terms.tables import table_named
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.helms import track_pilot

@@ -23,7 +23,7 @@ from lxml import etree
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
 SCHEMAS = Path(fmpy.__file__).parent / "schema"

@@ -8,8 +8,8 @@ from dataclasses import replace
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.base.results import interval, readable
 from narrows.captive.measured import measured_files
-from narrows.results.base_results import interval, readable
 
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"

@@ -10,7 +10,7 @@ from statistics import NormalDist
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.results.base_results import interval
+from narrows.base.results import interval
 
 PUBLISHED = nw.published("mikkelsen2025_dtc")
 FAINT = PUBLISHED.with_coefficients(b_bank=0.107, c_bank=0.013)

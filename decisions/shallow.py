@@ -6,7 +6,7 @@ python decisions/shallow.py [--write]
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.results.base_results import interval, readable
+from narrows.base.results import interval, readable
 
 LABELS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 NAMES = ("b_uv", "c_uv", "c_ur")

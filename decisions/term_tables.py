@@ -6,7 +6,7 @@ python decisions/term_tables.py [--write]
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.terms.tables import BARE
+from narrows.model.tables import BARE
 
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 ERRORS = tuple(f"{force}, {where}" for force in ("Y", "N") for where in ("tests out", "speeds out"))

@@ -23,7 +23,7 @@ from pages import Rows, markdown, part, publish, records
 import narrows as nw
 from narrows.logbook.sensor_grades import AIS, RTK, VDR, SensorGrade
 from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, drawn_truth, large_container_ship, transits_of
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))

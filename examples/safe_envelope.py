@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 
 # Identify it with the terms of a rudder, from tests with the rudder turned too.
 terms = table_named("speed+helm")

@@ -32,7 +32,7 @@ import xarray as xr
 
 import narrows as nw
 from engine_models import steered
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from tables import DTC_SHIP, frame_of, short_twin
 
 

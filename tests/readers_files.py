@@ -10,7 +10,7 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.logbook.sensor_grades import sensor_grade
 from narrows.logbook.transits.transit_twins import TransitTwin, transits_of
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.waterway.map_lines import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
 from tables import frame_of

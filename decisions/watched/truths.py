@@ -13,12 +13,12 @@ import narrows as nw
 from narrows.control.regulator import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
 from narrows.identification.fitting import bundled_ship
+from narrows.model.tables import table_named
 from narrows.ship.particulars import half_swept
 from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import PARAMETER, SimulatedShip, steering_of
-from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 from narrows.waterway.waterway import Waterway
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import narrows as nw
 from narrows.model.sections import Source
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 
 FOLDER = "_static/ready"
 BORROWED = "borrowed from the DTC"

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from _extension.markdown import code, table
 from narrows import FORMS, SQUAT, BankForm, Term, TermTable
 from narrows.quantities.names import name_of
-from narrows.terms.tables import BASES
+from narrows.model.tables import BASES
 
 HEADER = ("coefficient", "symbol", "regressor", "inputs", "unit", "bound", "kind")
 

@@ -16,7 +16,7 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.aliases import name_here, public_name
+        from narrows.base.aliases import name_here, public_name
 
         if function := name_here(name, "functions"):
             room, _, name_there = function.rpartition(".")

@@ -11,7 +11,7 @@ import narrows as nw
 from narrows.captive.kinematics import MotionColumns, kinematic_consistency
 from narrows.captive.measured import measured_files
 from narrows.captive.synthetic import StraightRun
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from tables import DTC_SHIP, frame_of, short_twin, written
 
 Spoil = Callable[[pd.DataFrame], pd.DataFrame]

@@ -10,8 +10,8 @@ import numpy as np
 from reference import Reference
 
 import narrows as nw
+from narrows.model.tables import table_named
 from narrows.simulation.controllers import CONTROLLERS, ControlLaw
-from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
 STEPS = {"paper": 0.02, "steered": 0.01, "mmg+delta": 0.02}

@@ -8,10 +8,10 @@ from typing import Any
 
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
+from narrows.model.tables import table_named
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.ship import SimulatedShip, steering_of
-from narrows.terms.tables import table_named
 
 STEP = 1.0
 """Between orders [s]."""

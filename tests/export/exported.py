@@ -7,7 +7,7 @@ import numpy as np
 
 import narrows as nw
 from engine_models import OWN
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
 HULL = ("paper", "speed", "mixed", "crossflow", "paper+tapered", "paper+keel_gap", "own")

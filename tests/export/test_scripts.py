@@ -19,9 +19,9 @@ from exported import STEERED, bent, model_of, speed_of, states
 import narrows as nw
 from narrows.codegen.printers.latex import WRITTEN
 from narrows.model.data_range import DataRange
+from narrows.model.term import TermKind
 from narrows.model.water import speeds_afloat
 from narrows.quantities.names import MOTION
-from narrows.terms.term import TermKind
 
 CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")

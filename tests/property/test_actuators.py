@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from strategies import numbers
 
 import narrows as nw
+from narrows.model.tables import with_helm
+from narrows.model.term import ScaleEffect
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import Quantity
 from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part
-from narrows.terms.tables import with_helm
-from narrows.terms.term import ScaleEffect
 from tables import DTC_SHIP, frame_of, many_runs
 
 

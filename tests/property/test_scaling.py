@@ -10,7 +10,7 @@ from strategies import STATES, numbers
 
 import narrows as nw
 from narrows.model.froude import SYSTEMS, ittc57, name_at_scale, units_of
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 
 TABLES = (
     "paper",

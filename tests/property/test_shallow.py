@@ -9,7 +9,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.derived_models import factor_at
-from narrows.terms.term import DepthLaw
+from narrows.model.term import DepthLaw
 
 
 def at(model: nw.Model, depth: float | None) -> nw.Model:

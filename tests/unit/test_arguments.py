@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.errors import shown
+from narrows.base.errors import shown
 
 DTC, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
 NO_NUMBERS = {

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.terms.additions import ASYMMETRY
-from narrows.terms.tables import table_named
+from narrows.model.additions import ASYMMETRY
+from narrows.model.tables import table_named
 
 
 def kvlcc2(sway: float = 0.0, yaw: float = 0.0) -> nw.Model:

@@ -12,9 +12,10 @@ from test_estimator import SENSORS, steered
 
 import narrows as nw
 from engine_models import bent
+from narrows.base.results import BaseResult
+from narrows.base.saving import to_json
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
 from narrows.estimation.consistency import sail_twins
-from narrows.results import BaseResult, to_json
 
 ALL = (*SENSORS, RudderIndicator())
 

@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.errors import InputError, reason, shown
+from narrows.base.errors import InputError, reason, shown
 from narrows.readers.frames import check_elements
 from tables import DTC_SHIP, frame_of, short_twin
 

@@ -14,12 +14,12 @@ import narrows as nw
 from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
 from narrows.model.data_range import DataRange
+from narrows.model.tables import table_named, with_helm
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, largest_block, runs
 from narrows.safety.held_trials import trials
 from narrows.safety.request import Disturbance, keel_at
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.tables import table_named, with_helm
 from pictures import assert_readable
 
 # What a trial is, as the docs of safe_envelope define it: 40 steps on the way of a ship length, 15 lengths after the

@@ -19,10 +19,10 @@ import xarray as xr
 from scipy.io import loadmat
 
 import narrows as nw
-from narrows.files import is_stream, matlab_of, save_figure, write_whole
+from narrows.base.files import is_stream, matlab_of, save_figure, write_whole
+from narrows.base.saving import save_dataset
 from narrows.report.fit_page import write_report
 from narrows.report.voyage_figures import voyage_figure
-from narrows.results import save_dataset
 from tables import short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -119,7 +119,7 @@ def test_a_link_to_nothing_makes_what_it_leads_to(tmp_path: Path) -> None:
     assert (tmp_path / "link").is_symlink()
 
 
-SAY = "import sys; from narrows.files import write_whole as w; print('first'); w(sys.argv[1], 'then\\n'); print('end')"
+SAY = "import sys; from narrows.base.files import write_whole as w; print('a'); w(sys.argv[1], 'then\\n'); print('end')"
 
 
 @pytest.mark.parametrize("name", ["/dev/stdout", "/dev/fd/1", "link"])
@@ -133,7 +133,7 @@ def test_standard_output_keeps_its_order(name: str, to_file: bool, tmp_path: Pat
         said = file.read_text()
     else:
         said = subprocess.run(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True, check=True).stdout
-    assert said == "first\nthen\nend\n"
+    assert said == "a\nthen\nend\n"
 
 
 def test_models_of_several_conditions_go_into_one_device(tmp_path: Path) -> None:
@@ -163,7 +163,7 @@ def test_whole_or_not_at_all(call: str, tmp_path: Path, monkeypatch: pytest.Monk
 
     place = {"open": "Path.open", "replace": "os.replace", "chmod": "Path.chmod"}[call]
     with monkeypatch.context() as spoilt:
-        spoilt.setattr(f"narrows.files.{place}", opened if call == "open" else full)
+        spoilt.setattr(f"narrows.base.files.{place}", opened if call == "open" else full)
         with pytest.raises(nw.InputError, match=r"file: cannot be written \(No space left on device\)"):
             write_whole(path, "new")
     assert path.read_text() == "old"
@@ -174,7 +174,7 @@ def test_an_interrupt_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyP
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("narrows.files.os.replace", interrupted)
+    monkeypatch.setattr("narrows.base.files.os.replace", interrupted)
     with pytest.raises(KeyboardInterrupt):
         write_whole(tmp_path / "file", "new")
     assert not list(tmp_path.iterdir())
@@ -223,7 +223,7 @@ def test_a_zarr_folder_whose_successor_fails_stays(tmp_path: Path, monkeypatch: 
             raise OSError(28, "No space left on device")
         old(source, target)
 
-    monkeypatch.setattr("narrows.files.os.replace", failing)
+    monkeypatch.setattr("narrows.base.files.os.replace", failing)
     with pytest.raises(nw.InputError, match="No space left"):
         save_dataset(xr.Dataset({"u": ("ship", [0.9])}), path)
     assert float(xr.open_zarr(path, consolidated=False).u[0]) == 0.5

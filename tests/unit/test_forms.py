@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import narrows as nw
+from narrows.model.tables import BASES, table_named
+from narrows.model.term import without
 from narrows.physics import clearance
 from narrows.physics.squat_and_depth import return_flow
 from narrows.ship.particulars import equivalent_wall
-from narrows.terms.tables import BASES, table_named
-from narrows.terms.term import without
 
 PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}
 OFFSETS = st.floats(-2.8, 2.8)

@@ -19,7 +19,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import narrows as nw
-from narrows.aliases import aliases
+from narrows.base.aliases import aliases
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")

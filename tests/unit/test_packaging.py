@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import narrows as nw
-from narrows.errors import installing, libraries_of, needs
+from narrows.base.errors import installing, libraries_of, needs
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -83,7 +83,7 @@ def test_every_extra_that_is_asked_for_exists() -> None:
 
 def test_the_hint_installs_what_an_extra_holds(monkeypatch: pytest.MonkeyPatch) -> None:
     lines = ["numpy>=2", "pyogrio>=0.10; extra == 'charts'", "shapely>=2.0; extra == 'charts'", "zarr; extra == 'x'"]
-    monkeypatch.setattr("narrows.errors.requires", lambda name: lines)
+    monkeypatch.setattr("narrows.base.errors.requires", lambda name: lines)
     assert libraries_of("charts") == ["pyogrio>=0.10", "shapely>=2.0"]
     command = r"^a chart needs pyogrio and shapely: \S*python\S* -m pip install 'pyogrio>=0.10' 'shapely>=2.0'$"
     with pytest.raises(nw.InputError, match=command), needs("charts", "a chart"):
@@ -92,7 +92,7 @@ def test_the_hint_installs_what_an_extra_holds(monkeypatch: pytest.MonkeyPatch) 
     def unknown(name: str) -> list[str]:
         raise importlib.metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr("narrows.errors.requires", unknown)
+    monkeypatch.setattr("narrows.base.errors.requires", unknown)
     assert libraries_of("charts") == []
     assert installing(["a>=1"]).endswith(" -m pip install 'a>=1'")
 

@@ -8,9 +8,9 @@ import pytest
 
 import narrows as nw
 from narrows.captive.synthetic import motion_of
-from narrows.experiment_design.information import RATE, candidates, choose, information_of, spread
-from narrows.experiment_design.plan import expected_model
+from narrows.identification.information import RATE, candidates, choose, information_of, spread
 from narrows.identification.least_squares import free_parameters
+from narrows.identification.plan import expected_model
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))

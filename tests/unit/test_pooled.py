@@ -11,8 +11,8 @@ from narrows.captive.measured import measured_files
 from narrows.identification import estimates
 from narrows.identification.mixed_model import integrate
 from narrows.identification.resampling import DepthTest
-from narrows.terms.additions import pooled
-from narrows.terms.tables import table_named
+from narrows.model.additions import pooled
+from narrows.model.tables import table_named
 
 DEPTHS = (0.246, 0.3075, 0.41)
 

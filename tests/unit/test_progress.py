@@ -7,9 +7,9 @@ import pytest
 import rich.progress
 
 import narrows as nw
-from narrows import progress
+from narrows.base import progress
+from narrows.base.progress import bar, listening, opened, stage
 from narrows.codegen import cache
-from narrows.progress import bar, listening, opened, stage
 from tables import frame_of, short_twin, written
 
 TEXT = """

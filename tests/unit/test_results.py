@@ -12,11 +12,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import narrows as nw
+from narrows.base.results import BaseResult
+from narrows.base.saving import to_json
 from narrows.captive.measured import measured_files
-from narrows.experiment_design import plan_tests
-from narrows.results import BaseResult, to_json
+from narrows.identification.plan import plan_tests
+from narrows.model.tables import table_named
 from narrows.studies.mikkelsen2025 import reproduce
-from narrows.terms.tables import table_named
 from readers_files import TURNED
 from tables import short_twin
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.base.saving import plain, to_json
 from narrows.captive.measured import measured_files
 from narrows.cli import app
-from narrows.results import plain, to_json
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.warning.monitoring.demonstration import bridge_sentences
 
 pytest.importorskip("jsonschema", reason="of the group test")

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import narrows as nw
+from narrows.base.errors import InputError
 from narrows.captive.measured import measured_files
-from narrows.errors import InputError
 
 HULL = {"length": 7.0, "beam": 1.0, "draft": 0.33, "block_coefficient": 0.65}
 SHIP = {"ship": HULL, "canal": {"width": 7.0, "depth": 0.5}}

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 
 

@@ -14,9 +14,9 @@ from narrows.estimation.sensors import SENSORS
 from narrows.export.exporters import EXPORTERS
 from narrows.logbook.checking.check_log import RECORD_CHECKS
 from narrows.logbook.checking.faults import FAULTS
+from narrows.model.tables import BASES
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
 from narrows.safety.pilots import PILOTS
-from narrows.terms.tables import BASES
 
 ROOT = Path(__file__).parents[2]
 

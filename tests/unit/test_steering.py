@@ -8,8 +8,8 @@ import pytest
 import xarray as xr
 
 import narrows as nw
-from narrows.terms.tables import with_helm
-from narrows.terms.term import TermKind
+from narrows.model.tables import with_helm
+from narrows.model.term import TermKind
 
 COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
 

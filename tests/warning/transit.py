@@ -9,7 +9,7 @@ import numpy as np
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.identification.fitting import bundled_ship
-from narrows.terms.tables import table_named
+from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline
 
 SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())

@@ -10,9 +10,9 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
+from narrows.base.errors import check_choice
 from narrows.captive import settings
 from narrows.captive.tests import CaptiveTests
-from narrows.errors import check_choice
 
 Accelerations = Literal["checked", "motion", "measured"]
 CHOICES = get_args(Accelerations)

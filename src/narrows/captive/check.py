@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from narrows.base.errors import InputError
 from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
-from narrows.errors import InputError
 from narrows.model.water import displacement
 from narrows.physics.squat_and_depth import critical_speed
 from narrows.quantities.names import GRAVITY

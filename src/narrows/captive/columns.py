@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from narrows.base.errors import InputError, near_miss
 from narrows.captive.tests import LABELS, Headers
-from narrows.errors import InputError, near_miss
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
 from narrows.readers.cells import floats
 from narrows.readers.headers import is_unit, parse_header

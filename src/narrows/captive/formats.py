@@ -8,8 +8,8 @@ from typing import ClassVar
 import numpy as np
 import pandas as pd
 
+from narrows.base.errors import InputError
 from narrows.captive.settings import SHORTEST_RECORD
-from narrows.errors import InputError
 from narrows.readers import cells
 from narrows.ship.particulars import equivalent_wall
 

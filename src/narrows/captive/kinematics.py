@@ -7,10 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
 from narrows.captive.tests import cuts
-from narrows.errors import InputError
 from narrows.quantities.names import DEGREE
 from narrows.readers.headers import Column
 

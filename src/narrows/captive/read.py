@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, path_of
+from narrows.base.progress import file_stage
 from narrows.captive import tests
 from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_accelerations
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
-from narrows.errors import InputError, path_of
 from narrows.model.sections import Source
-from narrows.progress import file_stage
 from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
 from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from narrows.base.errors import InputError, near_miss, reason, shown
 from narrows.captive import check, formats, settings
 from narrows.captive.columns import COLUMNS, begun, columns_with, renamed
 from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
-from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
 from narrows.quantities.names import Quantity
 from narrows.readers import cells

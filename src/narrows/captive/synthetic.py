@@ -6,11 +6,11 @@ from itertools import accumulate
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.tests import CaptiveTests
 from narrows.empirical.fleet import published
-from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.quantities.names import Number

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_choice, did_you_mean, reason, shown
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice, did_you_mean, reason, shown
+from narrows.base.results import Tabulated, same_content
 from narrows.model.sections import Source
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number
-from narrows.results import Tabulated, same_content
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration, Configured
 

@@ -7,9 +7,9 @@ from typing import Any, NoReturn
 
 import click
 
-from narrows.aliases import aliases, name_here
-from narrows.errors import InputError, near_miss, reason, shown
-from narrows.progress import listening
+from narrows.base.aliases import aliases, name_here
+from narrows.base.errors import InputError, near_miss, reason, shown
+from narrows.base.progress import listening
 
 # Verbs in the order of use; a verb in none of these groups comes last.
 GROUPS = {

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import narrows as nw
+from narrows.base.errors import InputError
 from narrows.cli.options import Argument, DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
 from narrows.cli.voyages import CurrentText
 from narrows.empirical.fleet import model_named
-from narrows.errors import InputError
 
 # Number of places of ``--along all``.
 ALONG_PLACES = 11

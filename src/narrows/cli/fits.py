@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 import narrows as nw
+from narrows.base.errors import InputError
+from narrows.base.progress import stage
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-from narrows.errors import InputError
-from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.captive.tests import Tests
-    from narrows.terms.term import TermTable
+    from narrows.model.term import TermTable
 
 
 SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
@@ -64,9 +64,9 @@ def identify(
 
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
+    from narrows.base.files import write_whole
     from narrows.captive.draft import draft_columns
     from narrows.captive.formats import is_known
-    from narrows.files import write_whole
     from narrows.readers.frames import read_frame
     from narrows.readers.mapping import read_mapping
 

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import narrows as nw
+from narrows.base.errors import InputError
+from narrows.base.progress import LARGE_FILE
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-from narrows.errors import InputError
-from narrows.progress import LARGE_FILE
 
 if TYPE_CHECKING:
     from narrows.logbook.reading.read_log import StreamedLog

@@ -7,10 +7,10 @@ from typing import Annotated, Any
 import click
 
 import narrows as nw
+from narrows.base.errors import InputError
 from narrows.cli.options import Argument, AsJson, Delivery, ModelFile, Option, PlainModelDelivery, Speed, verb
 from narrows.cli.voyages import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
-from narrows.errors import InputError
 from narrows.export.exporters import EXPORTERS
 
 *_FIRST, _LAST = map(repr, EXPORTERS)

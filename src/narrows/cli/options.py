@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_
 import click
 import numpy as np
 
+from narrows.base.errors import InputError, shown
+from narrows.base.files import PICTURES, form_of, is_stream, save_figure
+from narrows.base.saving import to_json
 from narrows.cli.app import app
-from narrows.errors import InputError, shown
-from narrows.files import PICTURES, form_of, is_stream, save_figure
 from narrows.quantities.names import SPEED_UNITS
-from narrows.results import to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -265,7 +265,7 @@ Speeds = Annotated[Any, speeds]
 Words = Annotated[Any, words]
 Terms = Annotated[
     Any,
-    _read_by("narrows.terms.tables", "table_named"),
+    _read_by("narrows.model.tables", "table_named"),
     "Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...",
 ]
 RunErrors = Annotated[

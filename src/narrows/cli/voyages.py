@@ -12,10 +12,10 @@ import click
 import numpy as np
 
 import narrows as nw
+from narrows.base.errors import InputError, check_choice
+from narrows.base.saving import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-from narrows.errors import InputError, check_choice
-from narrows.results import save_dataset
 
 if TYPE_CHECKING:
     from narrows.simulation.initial_state import VoyageDefaults

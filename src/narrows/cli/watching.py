@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 import narrows as nw
+from narrows.base.errors import InputError
+from narrows.base.files import write_whole
+from narrows.base.progress import stage
 from narrows.cli.options import Argument, Option, ReportDelivery, WaterwayFile, named, numbers, verb
 from narrows.empirical.fleet import model_named
-from narrows.errors import InputError
-from narrows.files import write_whole
-from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.warning.inputs.bridge_readings import Tick

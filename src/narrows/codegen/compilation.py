@@ -21,7 +21,7 @@ from llvmlite import ir
 from numba.core import event
 from numba.core.caching import IndexDataCacheFile
 
-from narrows.progress import bar, is_shown
+from narrows.base.progress import bar, is_shown
 
 INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
 # Arguments that are arrays, and whole numbers; all others are numbers.

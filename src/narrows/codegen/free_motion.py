@@ -12,8 +12,8 @@ from functools import lru_cache
 from keyword import iskeyword
 from typing import Any, Literal
 
+from narrows.base.errors import InputError
 from narrows.codegen.trace import Trace
-from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.codegen.cache import import_generated, lacks_compiler
 from narrows.codegen.trace import Trace, trace_of_terms
-from narrows.errors import InputError
+from narrows.model.term import TermTable
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     from narrows.codegen.choices import Actuated, Choices

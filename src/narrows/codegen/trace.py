@@ -13,10 +13,10 @@ from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import Any, NoReturn
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
+from narrows.model.term import TermTable, uncompiled
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
-from narrows.terms.term import TermTable, uncompiled
 
 # ``("input", name)``, ``("number", text)``, or an operation and the line numbers of its operands.
 Line = tuple[str, ...]

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import part_named
+from narrows.base.aliases import part_named
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.design import RegulatorDesign as RegulatorDesign

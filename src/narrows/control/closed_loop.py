@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, needs
+from narrows.base.results import BaseSummary
 from narrows.codegen.choices import COUNTED, TIME, WATER
 from narrows.control import settings
 from narrows.control.design import with_gear
@@ -18,9 +20,7 @@ from narrows.control.linear_system import loop_margins
 from narrows.control.linearization import linearize
 from narrows.control.predictive.course_ahead import water_ahead
 from narrows.control.steady_course import check_rudder
-from narrows.errors import InputError, needs
 from narrows.model.model import Model
-from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named, Order, VoyageState
 from narrows.simulation.initial_state import initial_state

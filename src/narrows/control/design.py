@@ -9,7 +9,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_count
+from narrows.base.progress import bar
+from narrows.base.results import BaseSummary
 from narrows.codegen.free_motion import INPUTS
 from narrows.control import settings
 from narrows.control.linearization import linearize
@@ -25,11 +28,8 @@ from narrows.control.regulator import (
 )
 from narrows.control.settings import TRIAL_LENGTHS, TRIAL_STEPS
 from narrows.control.steady_course import check_rudder
-from narrows.errors import InputError, check_count
 from narrows.model.model import Model
-from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
-from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import sampled

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.errors import InputError, check_choice, needs
+from narrows.base.results import BaseResult
 from narrows.control.settings import FREQUENCIES
-from narrows.errors import InputError, check_choice, needs
-from narrows.results import BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd

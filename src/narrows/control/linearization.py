@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.system import System
 from narrows.control.linear_system import LinearSystem
 from narrows.control.steady_course import check_inside, law_moving, solve_courses
-from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.simulation.initial_state import self_propulsion

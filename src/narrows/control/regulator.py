@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, shown
+from narrows.base.results import BaseSummary
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
 from narrows.control.steady_course import check_holds, check_rudder
-from narrows.errors import InputError, shown
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, clip, maximum
-from narrows.results import BaseSummary
 from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Named
 from narrows.simulation.ship import SimulatedShip
 

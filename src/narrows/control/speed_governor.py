@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseSummary
 from narrows.control import settings
 from narrows.control.linearization import linearize
-from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
-from narrows.results import BaseSummary
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
 from narrows.simulation.initial_state import self_propulsion

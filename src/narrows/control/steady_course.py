@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
 from narrows.codegen.cache import compiled_loops, import_generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.trace import trace_of
-from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
 from narrows.simulation.initial_state import self_propulsion

@@ -10,12 +10,12 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.model.model_file import load_model
+from narrows.model.term import TermKind
 from narrows.quantities.names import KNOT
 from narrows.ship.particulars import Canal, Ship
-from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice, shown
+from narrows.base.results import Named
 from narrows.empirical.calibration import (
     BANK_PRIOR,
     COEFFICIENTS,
@@ -32,16 +34,14 @@ from narrows.empirical.propulsion import (
     service_speed,
     thrust_deduction,
 )
-from narrows.errors import InputError, check_choice, shown
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.model.sections import Source
+from narrows.model.tables import table_named
 from narrows.quantities.names import GRAVITY, KNOT
-from narrows.results import Named
 from narrows.ship.actuators import Part, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_number, is_finite
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
-from narrows.terms.tables import table_named
 
 TABLE = f"mmg+{FORM}"
 SEA = Water(1025.0)

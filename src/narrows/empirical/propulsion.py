@@ -6,9 +6,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
 from narrows.empirical.formulas import Hull
-from narrows.errors import InputError
 from narrows.model.water import wetted_surface
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import Propeller, Rudder

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import part_named
+from narrows.base.aliases import part_named
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimator import Estimator as Estimator

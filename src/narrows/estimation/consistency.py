@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
+from narrows.base.errors import InputError, check_count
+from narrows.base.results import BaseResult
 from narrows.control.closed_loop import LawOrders
-from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import Sensor, draw_reading
 from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
@@ -21,7 +22,6 @@ from narrows.estimation.states import Columns, Estimate, described
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
-from narrows.results import BaseResult
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
 from narrows.simulation.inputs import check_steps

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_choice
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice
+from narrows.base.results import BaseSummary
 from narrows.estimation import settings
 from narrows.estimation.fault_bank import FaultBank
 from narrows.estimation.filter_run import (
@@ -31,7 +32,6 @@ from narrows.estimation.states import Estimate, EstimatedTrack, Prior, ProcessNo
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
-from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 from narrows.simulation.ship_lanes import RUDDER
 

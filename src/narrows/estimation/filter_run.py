@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
 from narrows.estimation.sensors import Sensor, error_states
 from narrows.estimation.settings import SAME_TIME, START_READINGS
 from narrows.estimation.ship_filter import MotionStep, ShipFilter, UpdateResult

@@ -12,11 +12,11 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import Aliased
 from narrows.estimation.settings import FAULT_STD, FAULT_WALK
 from narrows.estimation.states import Columns, MarkovProcess
-from narrows.results import Aliased
 from narrows.ship.checks import check_sizes
 from narrows.simulation.inputs import finite_numbers
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.estimation import settings
 from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, with_slow_error
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames

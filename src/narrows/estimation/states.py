@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.results import BaseSummary, Tabulated, with_error
 from narrows.estimation.settings import REFERENCE_LENGTH
 from narrows.estimation.unscented import Gaussian
-from narrows.results import BaseSummary, Tabulated
-from narrows.results.base_results import with_error
 from narrows.ship.checks import check_sizes
 
 if TYPE_CHECKING:

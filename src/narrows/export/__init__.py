@@ -7,7 +7,7 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from narrows.aliases import name_here, public_name
+from narrows.base.aliases import name_here, public_name
 from narrows.export.exporters import EXPORTERS, LANGUAGES, to_language, write
 
 __all__ = ["EXPORTERS", "LANGUAGES", "to_language", "write"]

@@ -11,6 +11,8 @@ import numpy as np
 import sympy
 from sympy import Float
 
+from narrows.base.errors import InputError
+from narrows.base.files import is_stream
 from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuated, Choices, Law
 from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
@@ -20,9 +22,7 @@ from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
-from narrows.errors import InputError
 from narrows.export.passport import RANGE_BITS, passport
-from narrows.files import is_stream
 from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import minimum

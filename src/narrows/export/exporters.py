@@ -6,9 +6,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_choice
-from narrows.files import form_of, write_whole
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice
+from narrows.base.files import form_of, write_whole
 from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:

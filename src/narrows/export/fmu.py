@@ -25,13 +25,13 @@ from typing import Any
 
 import sympy
 
+from narrows.base.errors import InputError, needs
 from narrows.codegen.choices import COUNTED, LENGTH
 from narrows.codegen.derivatives import with_tangents
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.printers.c import C
-from narrows.errors import InputError, needs
 from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, passport
 from narrows.export.ship_files import c_text, commented, filled, places_in, rates_of, rendered

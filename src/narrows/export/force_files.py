@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import sympy
 
+from narrows.base.errors import InputError
 from narrows.codegen.free_motion import Expr, exact_number
 from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
 from narrows.codegen.printers.c import C
 from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab
 from narrows.codegen.trace import trace_of_terms
-from narrows.errors import InputError
 from narrows.export.exported_ship import HEADING
 from narrows.export.fmu import (
     INTEGERS,

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.base.errors import InputError
+from narrows.base.results import interval, readable
 from narrows.captive.tests import CaptiveTests
-from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.verdict import IDENTIFIED
+from narrows.model.tables import BARE, table_named
 from narrows.quantities.names import FORCES
-from narrows.results.base_results import interval, readable
-from narrows.terms.tables import BARE, table_named
 
 
 @dataclass(frozen=True)

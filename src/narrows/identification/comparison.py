@@ -8,21 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult
 from narrows.captive.read import as_tests
-from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.normal_equations import Balance, Score, score
 from narrows.identification.verdict import NOT_SEPARABLE
+from narrows.model.bank_forms import FORMS, OPEN_WATER
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
+from narrows.model.tables import BARE, table_named
+from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES
-from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
-from narrows.terms.bank_forms import FORMS, OPEN_WATER
-from narrows.terms.tables import BARE, table_named
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

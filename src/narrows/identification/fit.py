@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.results import Named, same_content
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
@@ -25,12 +26,11 @@ from narrows.identification.resampling import (
 )
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
+from narrows.model.additions import AT
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
-from narrows.results import Named, same_content
+from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration
-from narrows.terms.additions import AT
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

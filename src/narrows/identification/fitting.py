@@ -6,24 +6,24 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice, did_you_mean, shown
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
 from narrows.captive.measured import measured_files
 from narrows.captive.read import as_tests, read_captive
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import bounded_problem
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.normal_equations import Balance, Score, accumulate, score
 from narrows.identification.systematic_effects import RunErrors
 from narrows.identification.verdict import unmodelled_rudder
+from narrows.model.additions import pooled
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
+from narrows.model.tables import PAPER, STEERED, table_named
+from narrows.model.term import TermTable
 from narrows.ship.ship_file import ShipSource
-from narrows.terms.additions import pooled
-from narrows.terms.tables import PAPER, STEERED, table_named
-from narrows.terms.term import TermTable
 
 Pool = Literal["depth"]
 # Stretches of each test: their scatter about a fit to it gives the noise.

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import ONE, NormalEquations
-from narrows.terms.term import Term
+from narrows.model.term import Term
 
 # Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].
 RANK = 1e-9

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.identification.normal_equations import NormalEquations
-from narrows.terms.term import TermTable
+from narrows.model.term import TermTable
 
 KKT_TOLERANCE = 1e-8  # Largest relative residual of an optimum [1]
 # Smallest singular value over the largest that counts as data [1]; sums of products resolve about 1e-8 of it.

@@ -17,12 +17,12 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.captive.columns import check_given
 from narrows.captive.tests import Block, Tests
-from narrows.errors import InputError
 from narrows.model.data_range import DataRange
+from narrows.model.term import Term, TermTable, uncompiled
 from narrows.quantities.names import FORCES, Number
-from narrows.terms.term import Term, TermTable, uncompiled
 
 # Units of equal weight in a fit.
 Balance = Literal["tests", "rows"]

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 import narrows
+from narrows.base.errors import InputError, check_choice, shown
+from narrows.base.results import BaseResult, Named
 from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Tests
-from narrows.errors import InputError, check_choice, shown
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
-from narrows.results import BaseResult, Named
+from narrows.model.term import TermTable
 from narrows.ship.ship_file import ShipSource
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
+from narrows.base.results import with_error
 from narrows.identification.estimates import HALF, CoefficientEstimates, ForcePosterior, bounded_interval, estimates
 from narrows.identification.least_squares import Problem, solve_many
 from narrows.identification.mixed_model import one_thread
@@ -14,7 +15,6 @@ from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import RunErrors
 from narrows.quantities.names import FORCES
-from narrows.results.base_results import with_error
 from narrows.ship.particulars import Configuration
 
 if TYPE_CHECKING:

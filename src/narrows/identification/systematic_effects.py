@@ -6,13 +6,13 @@ from itertools import chain
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import Aliased
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
 from narrows.identification.normal_equations import ONE
 from narrows.quantities.names import DEGREE, FORCES
-from narrows.results import Aliased
 from narrows.ship.particulars import Configuration
 
 # Groups of effects; those of a group share one learned scale, so that rival explanations count alike.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.base.results import interval, with_error
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.least_squares import RANK_TOLERANCE
@@ -15,9 +16,8 @@ from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, score
 from narrows.identification.systematic_effects import Effect
 from narrows.model.froude import ittc57
+from narrows.model.term import Term, TermKind, TermTable
 from narrows.model.water import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
-from narrows.results.base_results import interval, with_error
-from narrows.terms.term import Term, TermKind, TermTable
 
 IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
 AT_BOUND, NOT_EXCITED, NOT_IDENTIFIABLE = "at bound", "not excited", "not identifiable"

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, shown
+from narrows.base.errors import InputError, shown
+from narrows.base.results import Aliased, BaseResult, Named
 from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
-from narrows.results import Aliased, BaseResult, Named
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
 QUANTILE_95 = 1.959964  # Half-width of the central 95 % of a normal distribution [standard errors]

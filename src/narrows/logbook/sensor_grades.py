@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from narrows.errors import check_choice
+from narrows.base.errors import check_choice
+from narrows.base.results import BaseSummary
 from narrows.logbook.ship_log import check_signals
 from narrows.quantities.names import DEGREE, KNOT
-from narrows.results import BaseSummary
 from narrows.ship.checks import check_sizes
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
+from narrows.base.results import Aliased, BaseResult
 from narrows.quantities.names import Quantity
-from narrows.results import Aliased, BaseResult
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult
 from narrows.model.data_range import DataRange, extrapolation, sum_beyond
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.results import BaseResult
 from narrows.ship.checks import check_angles
 from narrows.ship.motion import Motion
 

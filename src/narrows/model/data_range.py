@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.base.results import Aliased
 from narrows.quantities.names import Number
-from narrows.results import Aliased
 
 Range = tuple[float, float]
 # Tolerance relative to an end of a range [1]: the accuracy of a depth or a speed.

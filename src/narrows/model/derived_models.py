@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult, Named
+from narrows.model import additions
 from narrows.model.model import Model
+from narrows.model.term import DepthLaw, TermKind, TermTable
 from narrows.quantities.names import argument_names
-from narrows.results import BaseResult, Named
 from narrows.ship.particulars import Configuration
-from narrows.terms import additions
-from narrows.terms.term import DepthLaw, TermKind, TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, shown
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, shown
+from narrows.base.results import BaseResult, Named
 from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.model import Model
+from narrows.model.term import ScaleEffect
 from narrows.model.water import ship_mass
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
-from narrows.results import BaseResult, Named
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Water
-from narrows.terms.term import ScaleEffect
 
 if TYPE_CHECKING:
     import pandas as pd

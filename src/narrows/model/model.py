@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_choice, did_you_mean, shown
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice, did_you_mean, shown
+from narrows.base.results import BaseResult, Named
+from narrows.model.bank_forms import without_bank
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
+from narrows.model.term import Term, TermTable
 from narrows.quantities.names import MOTION, Number
-from narrows.results import BaseResult, Named
 from narrows.ship.checks import check_ahead, check_angles, is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
-from narrows.terms.bank_forms import without_bank
-from narrows.terms.term import Term, TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

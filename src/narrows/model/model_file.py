@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import narrows
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
-from narrows.files import form_of, write_whole
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.files import form_of, write_whole
 from narrows.model.model import Model
+from narrows.model.term import TermTable
 from narrows.ship.ship_file import load_toml
-from narrows.terms.term import TermTable
 
 
 @accept_aliases

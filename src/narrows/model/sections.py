@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.results import Named
+from narrows.model.additions import rudder_asymmetries
 from narrows.model.data_range import DataRange, Range
-from narrows.results import Named
+from narrows.model.tables import table_named
+from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration, given_values
 from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from, section_of
-from narrows.terms.additions import rudder_asymmetries
-from narrows.terms.tables import table_named
-from narrows.terms.term import TermTable
 
 PARTS = ("ship", "canal", "water")
 REQUIRED = (*PARTS, "terms", "coefficients")

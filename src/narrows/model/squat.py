@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.results import BaseResult
 from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, argument_names
-from narrows.results import BaseResult
 from narrows.ship.checks import is_finite
 from narrows.ship.particulars import Configuration, Configured
 

@@ -4,7 +4,7 @@ import re
 from functools import cache
 from typing import NamedTuple
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 
 
 class Dimension(NamedTuple):

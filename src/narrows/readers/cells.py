@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, needs, reason, shown
+from narrows.base.errors import InputError, needs, reason, shown
 from narrows.readers.frames import Sheet
 from narrows.readers.headers import Column
 from narrows.readers.settings import LARGEST, LONGEST_CELL

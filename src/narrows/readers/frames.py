@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from narrows.errors import InputError, needs, reason
-from narrows.progress import counted, file_stage
+from narrows.base.errors import InputError, needs, reason
+from narrows.base.progress import counted, file_stage
 from narrows.readers.settings import DEEPEST, SHEET_ROWS
 from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, read_text, text_chunks
 

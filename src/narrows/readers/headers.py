@@ -7,7 +7,7 @@ from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
-from narrows.errors import InputError, installing, libraries_of
+from narrows.base.errors import InputError, installing, libraries_of
 from narrows.quantities.names import DEGREE, Quantity
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.readers import cells
 from narrows.readers.headers import Vocabulary, parse_header, unit_of
 from narrows.ship.ship_file import check_table, load_toml

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, shown
-from narrows.progress import opened
+from narrows.base.errors import InputError, shown
+from narrows.base.progress import opened
 from narrows.readers.headers import is_unit
 from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import lazy_loader
 
-from narrows.aliases import part_named
+from narrows.base.aliases import part_named
 
 _loaded, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 

@@ -9,20 +9,19 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from narrows.base.errors import InputError, check_choice, shown
+from narrows.base.files import save_figure
 from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
-from narrows.errors import InputError, check_choice, shown
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
-from narrows.experiment_design import Plan
-from narrows.files import save_figure
 from narrows.identification import Comparison, Explanation, Fit
+from narrows.identification.plan import Plan
 from narrows.logbook.checking.check_log import LogFindings
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import SteadyFit
 from narrows.logbook.steady_legs.plan_steady import SteadyPlan
 from narrows.logbook.transits.predict_information import InformationForecast
-from narrows.manoeuvres import Trials, Turning, ZigzagTest
 from narrows.model.derived_models import DepthCorrected
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -39,6 +38,7 @@ from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_
 from narrows.safety import EnvelopeAlong, OutsideRules, SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
+from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
 from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction

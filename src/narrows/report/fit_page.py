@@ -6,20 +6,20 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from narrows.base.files import write_whole
+from narrows.base.results import with_error
 from narrows.captive.tests import CaptiveTests
-from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.prediction import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES, Range
+from narrows.model.term import Term
 from narrows.quantities.names import name_of
 from narrows.report import fit_figures as draw
 from narrows.report.printed_tables import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
-from narrows.results.base_results import with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
-from narrows.terms.term import Term
 
 
 def write_report(

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from narrows.manoeuvres.manoeuvring_trials import Trials, Turning, ZigzagTest
 from narrows.report.printed_tables import console_of, print_notes, table_of
 from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, notes_below, panels
+from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 LEGEND: dict[str, Any] = {

@@ -10,8 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
+from narrows.base.errors import InputError
+from narrows.base.results import interval, with_error
 from narrows.control.steady_course import steady_course
-from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.steady_legs.learn_steady import SteadyFit
 from narrows.logbook.steady_legs.plan_steady import SteadyPlan
@@ -23,7 +24,6 @@ from narrows.report.fit_page import figure, write_page
 from narrows.report.fit_page import figure as captioned
 from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
-from narrows.results.base_results import interval, with_error
 
 # Distance off its line at which a leg is broken off [beams].
 STRAYED = 0.25

@@ -10,15 +10,15 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from narrows.errors import InputError
-from narrows.results.base_results import interval, readable
+from narrows.base.errors import InputError
+from narrows.base.results import interval, readable
 
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
 
-    from narrows.experiment_design.plan import Plan
     from narrows.identification import Fit
     from narrows.identification.bank_summary import BankSummary
+    from narrows.identification.plan import Plan
     from narrows.model.froude import Scaled
     from narrows.model.model import Model
     from narrows.waterway import Waterway
@@ -106,7 +106,7 @@ PLAN_FIELDS = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "d
 
 
 def print_plan(plan: "Plan") -> None:
-    from narrows.experiment_design.plan import UNITS
+    from narrows.identification.plan import UNITS
 
     rows = plan.rows()
     names = [name for name in PLAN_FIELDS if any(row.get(name) is not None for row in rows)]

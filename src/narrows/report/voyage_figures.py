@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
-from narrows.errors import InputError, shown
-from narrows.files import form_of, write_whole
+from narrows.base.errors import InputError, shown
+from narrows.base.files import form_of, write_whole
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from narrows.errors import check_choice
+from narrows.base.errors import check_choice
+from narrows.base.results import Tabulated
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import KNOT
-from narrows.results import Tabulated
 from narrows.ship.particulars import Configuration
 
 # Kinds of bank in rules; a wall is steep.

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice
 from narrows.control.steady_course import check_rudder, with_propulsion
-from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.channel_rules import BANKS

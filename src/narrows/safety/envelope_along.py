@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import BaseResult
 from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
 from narrows.safety.headline import MORE, estimated, runs, safe_offsets, sure_blocks

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.base.errors import InputError
+from narrows.base.progress import bar
 from narrows.codegen.choices import AFTER
 from narrows.control.regulator import FEEDBACK, RegulatorWeights, stacked_gains
 from narrows.control.steady_course import solve_courses, with_propulsion
-from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot, limited_course, regulator_of
 from narrows.safety.request import STRAIGHT, Bend, Disturbance, Walls

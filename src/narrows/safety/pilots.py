@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.base.errors import InputError
+from narrows.base.results import BaseSummary
 from narrows.control.regulator import DEFAULT_WEIGHTS, FEEDBACK, HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
 from narrows.control.steady_course import solve_courses, with_propulsion
-from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
 from narrows.quantities.names import DEGREE
-from narrows.results import BaseSummary
 from narrows.safety.request import STRAIGHT, Bend
 from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.base.results import BaseResult
 from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation, unknown_ranges
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import BaseResult
 from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
 from narrows.safety.headline import RANGE, cause, headline, runs, safe_by
 from narrows.safety.pilots import PILOTS

@@ -7,10 +7,10 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
+from narrows.base.results import Aliased
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Number, Quantity
-from narrows.results import Aliased
 from narrows.ship.checks import check_fields
 
 

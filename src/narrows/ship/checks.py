@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError, shown
+from narrows.base.errors import InputError, shown
 from narrows.quantities.names import Number
 
 # Range of every size of a ship, its water and its parts; products of them stay finite.

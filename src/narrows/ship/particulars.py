@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, shown
-from narrows.results import Aliased, BaseSummary
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, shown
+from narrows.base.results import Aliased, BaseSummary
 from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
 from narrows.ship.checks import check_fields, check_particulars
 

@@ -6,9 +6,9 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, did_you_mean, path_of, shown
-from narrows.files import reading
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean, path_of, shown
+from narrows.base.files import reading
 from narrows.ship.actuators import STANDARD, Actuator, Part
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 

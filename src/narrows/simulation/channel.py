@@ -8,10 +8,10 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, FIELD, Across
 from narrows.codegen.free_motion import OPEN, Outline
 from narrows.codegen.kernels import event
-from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseSummary, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
-from narrows.results import BaseSummary, shortened
 
 Named = Mapping[str, Number]
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.results import BaseResult
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
 from narrows.codegen.linearisation import LINEARISED
-from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
-from narrows.results import BaseResult
 from narrows.ship.checks import check_angles
 from narrows.simulation.grid import grid_of
 from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions, initial_state

@@ -10,13 +10,14 @@ import numpy as np
 import xarray as xr
 
 import narrows
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, path_of
+from narrows.base.progress import bar
+from narrows.base.results import answer
 from narrows.codegen.free_motion import OPEN, Surge
-from narrows.errors import InputError, path_of
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
-from narrows.progress import bar
-from narrows.results.base_results import answer
+from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
@@ -33,7 +34,6 @@ from narrows.simulation.settings import (
 )
 from narrows.simulation.ship import Points, SimulatedShip, steering_of
 from narrows.simulation.store import attributes_of, empty_of
-from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError, check_count, did_you_mean, reason, shown
+from narrows.base.errors import InputError, check_count, did_you_mean, reason, shown
 from narrows.model.model import Model
+from narrows.model.term import TermTable
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import INPUTS, START, STEADY
 from narrows.simulation.settings import MOST_SAMPLES
-from narrows.terms.term import TermTable
 
 
 @dataclass(frozen=True)

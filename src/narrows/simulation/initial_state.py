@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean
 from narrows.codegen.choices import AFTER, COUNTED, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
-from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY

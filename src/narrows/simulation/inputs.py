@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
+from narrows.base.errors import InputError, check_choice, check_count, shown
 from narrows.codegen.free_motion import Surge
-from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST
 from narrows.simulation.settings import MOST_EXTENT, MOST_POINTS, MOST_WORKERS

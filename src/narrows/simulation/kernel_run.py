@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.errors import InputError, installing, libraries_of, needs
 from narrows.codegen.cache import compiled_loops, lacks_compiler
 from narrows.codegen.choices import AFTER, CACHE_LINE, COUNTED, CURRENT_ACROSS, SHARED, Across, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.system import System
-from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.model.water import is_full
 from narrows.simulation.channel import Channel, WaterTable, across_of
 from narrows.simulation.initial_state import complete_state

@@ -11,10 +11,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from narrows.base.results import Aliased
 from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY, Number
-from narrows.results import Aliased
 from narrows.simulation.settings import MOST_FROUDE
 
 if TYPE_CHECKING:

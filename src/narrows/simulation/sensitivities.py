@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean
+from narrows.base.results import BaseResult
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.system import COMPLEX_STEP, System
-from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.results import BaseResult
 from narrows.ship.checks import check_angles
 from narrows.simulation.initial_state import check_positions, initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED

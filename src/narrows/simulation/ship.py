@@ -5,20 +5,20 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
+from narrows.base.errors import InputError, check_choice
 from narrows.codegen.choices import LENGTH, TIME, WATER, Across, Actuated, Choices, Law, Pushed
 from narrows.codegen.free_motion import OPEN, STATE, Outline, Surge
 from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.system import System
 from narrows.codegen.trace import trace_of
-from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
+from narrows.model.term import TermTable
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
 from narrows.ship.checks import check_ahead
 from narrows.simulation.channel import Channel, along_waterway, check_outline, straight_channel
 from narrows.simulation.controllers import ControlLaw, Controller, ExternalOrder, Named, Order
 from narrows.simulation.inputs import Contact, check_flag, check_options
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

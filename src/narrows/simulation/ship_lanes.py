@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COLUMNS, ROW, SHARED
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.system import DEFAULTS
-from narrows.errors import InputError
 from narrows.quantities.names import Number
 from narrows.simulation import lane_loops
 from narrows.simulation.inputs import INPUTS, START

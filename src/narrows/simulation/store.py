@@ -14,8 +14,8 @@ from uuid import uuid4
 import numpy as np
 import xarray as xr
 
-from narrows.errors import InputError, needs, reason, shown
-from narrows.progress import bar
+from narrows.base.errors import InputError, needs, reason, shown
+from narrows.base.progress import bar
 from narrows.simulation.grid import Grid
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import KINDS, WAYS

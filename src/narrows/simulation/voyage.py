@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice
+from narrows.base.results import Tabulated, same_content
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, Surge
 from narrows.codegen.kernels import event
-from narrows.errors import InputError, check_choice
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.model.water import is_full
 from narrows.quantities.names import MOTION
-from narrows.results import Tabulated, same_content
 from narrows.ship.actuators import PROPELLER, Actuator
 from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.base.results import BaseResult
 from narrows.captive.synthetic import twin
 from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
 from narrows.identification.prediction import KINDS
 from narrows.model.model import Model
-from narrows.results import BaseResult
 from narrows.simulation.derivative import eigenvalues
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.voyage import Voyage, simulate

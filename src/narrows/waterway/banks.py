@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.ship.particulars import Point, equivalent_wall, keel_wall
 from narrows.waterway.centreline import FARTHEST, Centreline, chords
 

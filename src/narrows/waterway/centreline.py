@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, shown
+from narrows.base.errors import InputError, shown
 
 if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is used, not where a command starts
     from scipy.interpolate import PPoly

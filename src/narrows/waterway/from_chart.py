@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError, needs
+from narrows.base.errors import InputError, needs
 from narrows.waterway.banks import SLACK, Bank, Normals, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, shown
-from narrows.files import form_of, reading, write_whole
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, shown
+from narrows.base.files import form_of, reading, write_whole
 from narrows.ship.particulars import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError, needs
+from narrows.base.errors import InputError, needs
 from narrows.waterway.centreline import Centreline, along_chords, chords
 
 # Latitude [deg] beyond which the mean of longitudes is meaningless.

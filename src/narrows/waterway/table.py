@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.waterway.bank_clearance import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
 from narrows.waterway.centreline import profile_at
 from narrows.waterway.waterway import Waterway

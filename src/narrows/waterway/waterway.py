@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 import narrows
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, shown
-from narrows.results import BaseSummary
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, shown
+from narrows.base.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline, Profile, checked_profile, current_words, extent, profile_at

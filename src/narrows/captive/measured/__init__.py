@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,14 +6,14 @@ from dataclasses import dataclass, field
 from inspect import signature
 from typing import Any
 
+from narrows.base.errors import check_choice
 from narrows.codegen.free_motion import Expr, exact_number, symbol
 from narrows.codegen.lines import FUNCTIONS
 from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
-from narrows.errors import check_choice
+from narrows.model.additions import Grouped
+from narrows.model.term import TermTable
 from narrows.physics import clearance, hull, propeller, rudder
 from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number
-from narrows.terms.additions import Grouped
-from narrows.terms.term import TermTable
 
 # Symbols of quantities, those of propeller and rudder as in the MMG standard method.
 WRITTEN = {

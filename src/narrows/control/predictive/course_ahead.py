@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linearization import MOVED as RATES
@@ -16,7 +17,6 @@ from narrows.control.linearization import LocalWater, steady_courses
 from narrows.control.predictive import plan_loops
 from narrows.control.regulator import RegulatorWeights
 from narrows.control.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
-from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway.centreline import check_along_only

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from narrows.base.errors import InputError, check_count, needs
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
@@ -25,7 +26,6 @@ from narrows.control.predictive.course_ahead import (
     over_interval,
     share_of,
 )
-from narrows.errors import InputError, check_count, needs
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import ShipLanes
 

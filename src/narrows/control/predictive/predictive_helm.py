@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, needs
+from narrows.base.results import BaseSummary
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import (
     FORCED,
@@ -33,10 +35,8 @@ from narrows.control.predictive.planner import (
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder
-from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.physics.rudder import gear_motion
-from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.initial_state import self_propulsion

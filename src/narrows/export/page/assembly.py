@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from narrows.base.errors import InputError
 from narrows.codegen.free_motion import STATE
 from narrows.codegen.printers.translation import JavaScript
-from narrows.errors import InputError
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu import ZIG_CC, compiled, lacks_zig
 from narrows.export.page.page_sliders import (

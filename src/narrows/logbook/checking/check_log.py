@@ -7,8 +7,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.progress import stage
+from narrows.base.results import BaseResult, with_error
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
 from narrows.logbook.filtering.likelihood import search
@@ -18,10 +20,7 @@ from narrows.logbook.learning.log_setup import LogSetup, log_problem, log_record
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
 from narrows.model.model import Model
-from narrows.progress import stage
 from narrows.quantities.names import GRAVITY
-from narrows.results import BaseResult
-from narrows.results.base_results import with_error
 from narrows.waterway import Waterway
 
 

@@ -13,12 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.base.progress import bar, is_shown
 from narrows.codegen.cache import compiled_loops
 from narrows.identification.least_squares import solve
 from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel, Unknowns
 from narrows.logbook.filtering.record_grid import CURRENTS, OFFSET, RUDDER, RecordGrid, first_guess, predicted_signal
-from narrows.progress import bar, is_shown
 
 WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])  # Standard deviation of a step of each state, relative to the others
 SPEED_WALK = 2e-3  # Random walk of a held speed in a second, over itself

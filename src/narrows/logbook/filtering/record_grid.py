@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.logbook.ship_log import MEETING, TURNING, ShipRecord, Signal
 from narrows.waterway import Waterway
 

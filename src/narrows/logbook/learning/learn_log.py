@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.progress import stage
 from narrows.logbook.filtering.likelihood import LOOSE_WALK, SearchResult, search
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, OFFSET, RUDDER
@@ -24,7 +25,6 @@ from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.model.sections import Source
-from narrows.progress import stage
 from narrows.waterway import Waterway
 
 RUNS_AWAY = (

@@ -6,16 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import special
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.logbook.filtering.likelihood import SearchResult
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
+from narrows.model.additions import ASYMMETRY, RUDDER_EVEN, STRAIGHTENED, STRAIGHTENING, asymmetric
 from narrows.model.derived_models import extend
 from narrows.model.model import Model
+from narrows.model.term import TermKind
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.additions import ASYMMETRY, RUDDER_EVEN, STRAIGHTENED, STRAIGHTENING, asymmetric
-from narrows.terms.term import TermKind
 
 LEAST_REDUCTION = 1e-3  # Least reduction of the prior variance [1] by which a log determines a combination
 EXPECTED_SCATTER = 10  # Weight of the expected scatter of scores [records]

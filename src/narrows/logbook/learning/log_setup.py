@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.logbook.filtering.log_problem import (
     SPREAD_OF_STRENGTH,
     SWAY,

@@ -11,8 +11,8 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_count
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_count
 from narrows.logbook.reading.log_rows import VOCABULARY, LogMapping, RawRecord, log_mapping, one_ship, renamed
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog, ShipRecord

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import chdtrc
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
 from narrows.control.steady_course import check_inside, check_rudder
-from narrows.errors import InputError
 from narrows.logbook.filtering.likelihood import bounded_step
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, learned_model

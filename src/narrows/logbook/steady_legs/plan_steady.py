@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_count, shown
+from narrows.base.results import Tabulated
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
-from narrows.errors import InputError, check_count, shown
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
@@ -18,7 +19,6 @@ from narrows.logbook.steady_legs.learn_steady import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings, reading_error
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import Tabulated
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite

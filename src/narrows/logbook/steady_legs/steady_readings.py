@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
+from narrows.base.results import BaseSummary
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE, WIND_LEVER, WINDAGE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
-from narrows.results import BaseSummary
 from narrows.safety.request import wind_force
 from narrows.ship.checks import check_sizes
 

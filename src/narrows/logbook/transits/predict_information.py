@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_count
+from narrows.base.progress import bar, is_shown
+from narrows.base.results import Tabulated
 from narrows.control.steady_course import check_rudder
-from narrows.errors import InputError, check_count
 from narrows.logbook import settings
 from narrows.logbook.filtering.likelihood import FIRST_PASSES, scored
 from narrows.logbook.filtering.log_problem import SWAY, YAW
@@ -20,9 +22,7 @@ from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.plan_steady import usual_speeds
 from narrows.logbook.transits.transit_twins import TransitConditions, TransitTwin, gust_push, recorded
 from narrows.model.model import Model
-from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
-from narrows.results import Tabulated
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.waterway import Waterway
 

@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.base.errors import InputError, shown
+from narrows.base.progress import bar, is_shown
 from narrows.control.regulator import Regulator, regulator
 from narrows.control.steady_course import steady_course
-from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
 from narrows.logbook import settings
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.logbook.steady_legs.steady_readings import BeamWind, steady_push
 from narrows.model.model import Model
-from narrows.progress import bar, is_shown
 from narrows.quantities.names import DEGREE, KNOT
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.grid import correlated

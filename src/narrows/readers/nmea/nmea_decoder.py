@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, needs
-from narrows.progress import opened
+from narrows.base.errors import InputError, needs
+from narrows.base.progress import opened
 from narrows.readers import settings
 from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, DecodedMessage, Sentence, decode_parts, sentences
 

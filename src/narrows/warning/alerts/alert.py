@@ -22,7 +22,7 @@ from threading import Condition as Signal
 from threading import Thread
 from typing import Any, NamedTuple
 
-from narrows.errors import InputError, reason
+from narrows.base.errors import InputError, reason
 from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.settings import DISK_RETRY, DISK_TIMEOUT, LOG_QUEUE

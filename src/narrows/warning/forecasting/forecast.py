@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.results import BaseSummary
+from narrows.base.results import BaseSummary
 from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS, WRONG_ORDER_TIME
 
 # Numbers of a forecast in ``to_dict``.

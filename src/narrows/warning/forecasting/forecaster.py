@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.base.errors import InputError, check_count
 from narrows.codegen.choices import CURRENT_ACROSS
 from narrows.control.linearization import local_water, steady_courses
 from narrows.control.steady_course import RUDDER
-from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Estimate

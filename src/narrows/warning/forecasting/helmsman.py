@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.base.results import BaseSummary
 from narrows.codegen.choices import CURRENT_ACROSS, stages_at
 from narrows.quantities.arithmetic import choice, clip
-from narrows.results import BaseSummary
 from narrows.simulation.controllers import ORDER_TOLERANCE, Named
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.readers.nmea.nmea_decoder import Entry, Recording
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
 from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD, SOURCE_SILENCE, WATERWAY_REACH

@@ -15,7 +15,7 @@ from threading import Event, Lock, Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
-from narrows.errors import InputError, needs, reason
+from narrows.base.errors import InputError, needs, reason
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, DecodedMessage, GroupedValues, Sentence, Values, sentences
 from narrows.warning import settings

@@ -15,9 +15,9 @@ from threading import Condition, Event, Thread
 from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
-from narrows.errors import InputError, needs
+from narrows.base.errors import InputError, needs
+from narrows.base.saving import to_json
 from narrows.readers.nmea.nmea_sentences import with_checksum
-from narrows.results import to_json
 from narrows.warning import settings
 from narrows.warning.alerts.alert import (
     ANSWERED,

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.states import Estimate

@@ -11,12 +11,12 @@ from narrows.control.linearization import linearize
 from narrows.control.regulator import lqr
 from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
+from narrows.model.tables import table_named
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.voyage import Voyage, simulate
-from narrows.terms.tables import table_named
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.waterway import Bank, Centreline
 from narrows.waterway.map_lines import unprojected

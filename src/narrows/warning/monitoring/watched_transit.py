@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.base.results import Aliased, BaseResult, BaseSummary
 from narrows.estimation.states import Estimate
-from narrows.results import Aliased, BaseResult, BaseSummary
 from narrows.ship.particulars import Configuration, Ship, half_swept
 from narrows.simulation.outcome import water_notes
 from narrows.warning import settings

@@ -20,8 +20,8 @@ from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 
-from narrows.errors import InputError, needs, reason
-from narrows.results import plain
+from narrows.base.errors import InputError, needs, reason
+from narrows.base.saving import plain
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState, Command
 from narrows.warning.inputs.bridge_readings import Tick

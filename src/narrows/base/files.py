@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
-from narrows.errors import InputError, needs, reason
+from narrows.base.errors import InputError, needs, reason
 
 if TYPE_CHECKING:
     import pandas as pd

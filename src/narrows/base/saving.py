@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.files import PICTURES, form_of, matlab_of, netcdf_of, parquet_of, picture_of, write_whole, write_zarr
+from narrows.base.files import PICTURES, form_of, matlab_of, netcdf_of, parquet_of, picture_of, write_whole, write_zarr
 
 if TYPE_CHECKING:
     import pandas as pd

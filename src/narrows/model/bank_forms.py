@@ -4,14 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from narrows.errors import InputError, did_you_mean
+from narrows.base.errors import InputError, did_you_mean
+from narrows.base.results import BaseSummary
+from narrows.model.additions import ADDED
+from narrows.model.term import LETTERS, ScaleEffect, Term, TermKind, TermTable, without
 from narrows.physics import clearance
 from narrows.physics.clearance import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number, argument_names, name_of
-from narrows.results import BaseSummary
-from narrows.terms.additions import ADDED
-from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable, without
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
-from narrows.results import BaseResult
 from narrows.simulation.controllers import ConstantRudder, ControlLaw, Zigzag
 from narrows.simulation.initial_state import steady_ahead, voyage_defaults
 from narrows.simulation.inputs import finite_numbers

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from narrows.errors import InputError, near_miss
+from narrows.base.errors import InputError, near_miss
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError
-from narrows.manoeuvres.manoeuvring_trials import TrialShip
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
+from narrows.base.results import BaseResult
+from narrows.model.additions import TRANSVERSE_THRUST
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import maximum, minimum
-from narrows.results import BaseResult
 from narrows.simulation.controllers import Named
 from narrows.simulation.inputs import finite_numbers
+from narrows.simulation.manoeuvring_trials import TrialShip
 from narrows.simulation.voyage import Voyage
-from narrows.terms.additions import TRANSVERSE_THRUST
 
 # Longest duration of a test, in ship lengths at the approach speed.
 STOPPING_LENGTHS = 80.0

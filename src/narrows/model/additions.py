@@ -5,14 +5,14 @@ from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
-from narrows.errors import InputError
+from narrows.base.errors import InputError
+from narrows.model.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
 from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
 from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number, name_of
-from narrows.terms.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
 
 
 @dataclass(frozen=True)

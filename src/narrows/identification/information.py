@@ -7,9 +7,9 @@ from itertools import product
 import numpy as np
 from scipy import special
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of, twin
-from narrows.errors import InputError
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
@@ -19,8 +19,8 @@ from narrows.identification.normal_equations import ONE, NormalEquations, accumu
 from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.identification.verdict import Diagnostics
 from narrows.model.model import Model
+from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration, Ship, half_swept
-from narrows.terms.term import TermTable
 
 # Sampling rate [Hz]; a run's information depends on its noise per time, not on its sampling rate.
 RATE = 5.0

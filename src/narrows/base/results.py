@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.aliases import aliases, name_here, unit_of
-from narrows.errors import did_you_mean
-from narrows.files import write_whole
-from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
+from narrows.base.aliases import aliases, name_here, unit_of
+from narrows.base.errors import did_you_mean
+from narrows.base.files import write_whole
+from narrows.base.saving import FORMS, csv_of, forms_of, to_json, write
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -6,13 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, check_choice
+from narrows.base.results import Tabulated
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
-from narrows.errors import InputError, check_choice
-from narrows.experiment_design.information import (
+from narrows.identification.estimates import HALF
+from narrows.identification.fitting import identify
+from narrows.identification.information import (
     Tank,
     candidates,
     choose,
@@ -20,19 +23,16 @@ from narrows.experiment_design.information import (
     information_of,
     known_information,
 )
-from narrows.identification.estimates import HALF
-from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters
 from narrows.identification.systematic_effects import RunErrors
+from narrows.model.bank_forms import with_bank
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
-from narrows.results import Tabulated
+from narrows.model.tables import PAPER
+from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_from
-from narrows.terms.bank_forms import with_bank
-from narrows.terms.tables import PAPER
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd

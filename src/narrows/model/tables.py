@@ -3,17 +3,10 @@
 from collections.abc import Callable
 from functools import cache
 
-from narrows.errors import InputError, did_you_mean
-from narrows.physics import hull, propeller, rudder
-from narrows.physics.hull import HullPower, Product
-from narrows.physics.propeller import PropellerQuantities
-from narrows.physics.rudder import RudderQuantities
-from narrows.quantities import dimensions as dim
-from narrows.quantities.dimensions import NUMBER
-from narrows.quantities.names import Number
-from narrows.terms.additions import ADDED, AT, Grouped, pooled, with_helm
-from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
-from narrows.terms.term import (
+from narrows.base.errors import InputError, did_you_mean
+from narrows.model.additions import ADDED, AT, Grouped, pooled, with_helm
+from narrows.model.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
+from narrows.model.term import (
     DRIFT_FORCE,
     DRIFT_MOMENT,
     FREE,
@@ -25,6 +18,13 @@ from narrows.terms.term import (
     TermTable,
     without,
 )
+from narrows.physics import hull, propeller, rudder
+from narrows.physics.hull import HullPower, Product
+from narrows.physics.propeller import PropellerQuantities
+from narrows.physics.rudder import RudderQuantities
+from narrows.quantities import dimensions as dim
+from narrows.quantities.dimensions import NUMBER
+from narrows.quantities.names import Number
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
 

@@ -1,1 +1,0 @@
-"""Tables of terms: hydrodynamic derivatives, forms of the bank term, rudder and propeller."""
