@@ -1,4 +1,4 @@
-"""``plan_tests``: choose runs by their expected information, from a ship, a tank and a budget."""
+"""Optimal experiment design: ``plan_tests`` chooses the next runs, from a ship, a tank and a budget."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
