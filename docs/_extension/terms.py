@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from _extension.markdown import code, table
 from narrows import FORMS, SQUAT, BankForm, Term, TermTable
-from narrows.quantities.names import name_of
 from narrows.model.tables import BASES
+from narrows.quantities.names import name_of
 
 HEADER = ("coefficient", "symbol", "regressor", "inputs", "unit", "bound", "kind")
 
