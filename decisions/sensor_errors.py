@@ -24,7 +24,6 @@ ERRORS = {
 DECLARED = {
     "`Gnss(1.5)`": Gnss(1.5),
     "`Gnss(0.5, coloured=GaussMarkov(1.5, 60.0))`": SLOW,
-    "`Gnss(1.5, coloured=None)`": WHITE,
 }
 
 

@@ -4,11 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.stats import norm
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import GaussMarkov, Log, Prior, ProcessNoise, settings, square_roots
-from narrows.estimation.fault_bank import WhitenessTest
 from narrows.estimation.sensors import ErrorProcess
 from narrows.estimation.ship_filter import MEMORIES
 from narrows.estimation.unscented import sigma_point_weights
@@ -73,16 +71,3 @@ def test_settings_of_the_bank_of_filters() -> None:
     assert (settings.SILENT_PERIODS, settings.REFUSED_PERIODS, settings.START_READINGS) == (5.0, 5.0, 3)
     assert (settings.REPLAY_TIME, settings.JUDGE_WAIT, settings.RESTART_TIME) == (60.0, 5.0, 20.0)
     assert (settings.STUCK_READINGS, settings.LONGEST_GAP, settings.COEFFICIENT_MEMORY) == (20, 600.0, 1800.0)
-    assert (settings.WHITENESS_MEMORY, settings.WHITENESS_READINGS) == (200.0, 30)
-    # Beyond 4 standard deviations a normal number lies once in 16 000, a reading of either sign.
-    assert 2 * norm.sf(settings.WHITENESS_THRESHOLD) == pytest.approx(1 / 15787, rel=1e-3)
-
-
-def test_whiteness_is_a_fading_autocorrelation() -> None:
-    """By hand for 40 readings: what is old fades by 199/200 a reading, in the variance of the sum twice."""
-    test, given = WhitenessTest(), np.sin(np.arange(40.0)) + 0.3
-    found = [test.statistic(np.array([one])) for one in given]
-    assert found[:29] == [0.0] * 29
-    fading = 0.995 ** np.arange(39, -1, -1.0)
-    products, squares = fading[1:] @ (given[1:] * given[:-1]), fading @ given**2
-    assert found[-1] == pytest.approx(products / np.sqrt(fading @ fading) * fading.sum() / squares)

@@ -13,8 +13,7 @@ from test_estimator import SENSORS, estimator, record, steered
 
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
-from narrows.estimation.fault_bank import WhitenessTest
-from narrows.estimation.settings import STUCK_READINGS, WHITENESS_THRESHOLD
+from narrows.estimation.settings import STUCK_READINGS
 
 BEGUN = 10.0
 Fault = Callable[[float, dict[str, Any]], None]
@@ -98,49 +97,6 @@ def test_a_log_at_0_from_the_start_is_found_out() -> None:
     assert abs(now["x"] - 4.5 * 39) < 5.0
 
 
-def swing(t: int) -> float:
-    return 3.0 * math.sin(math.tau * t / 120.0)
-
-
-def wander(t: int) -> float:
-    """A Gauss-Markov error of 1.5 m over a minute."""
-    left, walk = math.exp(-1.0 / 60.0), np.random.default_rng(5).standard_normal(t + 1)
-    return 1.5 * float(math.sqrt(1.0 - left**2) * walk @ left ** np.arange(t, -1.0, -1.0))
-
-
-@pytest.mark.parametrize(("white", "slow"), [(1.5, swing), (0.5, wander)])
-def test_slow_errors_of_fixes_that_are_not_declared_widen_the_band(white: float, slow: Callable[[int], float]) -> None:
-    """At 230 m: fixes that count as white have slow errors. They stay in use, and the band is right."""
-    model, random = nw.scale_model(steered(), 230.0, 1025.0).model, np.random.default_rng(2)
-    one = Estimator(model, [Gnss(coloured=None), Gyro(0.0035), RateOfTurn(5e-4), Log(), RudderIndicator()])
-    found = []
-    for t in range(400):
-        noise = random.standard_normal(6)
-        fix = 4.5 * t + white * noise[0], white * noise[1] + slow(t)
-        others = {"gyro": 0.0035 * noise[2], "rate_of_turn": 5e-4 * noise[3], "log": 4.5 + 0.05 * noise[5]}
-        found.append(one.update(t, gnss=fix, rudder=2e-3 * noise[4], **others))
-    assert any("gnss has slow errors that were not declared" in note for one in found for note in one.notes)
-    assert not found[-1].faults
-    assert np.mean([abs(one["y"]) < 1.96 * one.std["y"] for one in found[100:]]) > 0.9
-
-
-def test_the_autocorrelation_of_white_innovations_has_unit_deviation() -> None:
-    """Also where the noise is three times as large as declared; correlated innovations stand out."""
-    draws, left = np.random.default_rng(1).standard_normal((200, 300, 2)), 0.4
-    found, last = [], []
-    for series in draws:
-        white, correlated = WhitenessTest(), WhitenessTest()
-        found.append([white.statistic(3.0 * row) for row in series][-1])
-        state = np.zeros(2)
-        for row in series:
-            state = left * state + math.sqrt(1.0 - left**2) * row
-            statistic = correlated.statistic(state)
-        last.append(statistic)
-    assert np.mean(found) == pytest.approx(0.0, abs=0.2)
-    assert np.std(found) == pytest.approx(1.0, abs=0.15)
-    assert np.quantile(last, 0.1) > WHITENESS_THRESHOLD
-
-
 def test_in_one_record_of_twenty_at_most_a_healthy_sensor_is_blamed() -> None:
     """Each record is as long as 50 minutes at 230 m."""
     blamed = [any(one.faults for one in estimated(lambda t, readings: None, seed)[0]) for seed in range(1, 41)]
@@ -171,7 +127,7 @@ def test_adopted_states_are_marginals_of_the_others() -> None:
     filter = estimator().filter
     now = estimated(lambda t, readings: None)[0][30].joint
     assert now is not None
-    more = filter.with_errors(frozenset({"gyro"}), frozenset())
+    more = filter.with_faults(frozenset({"gyro"}))
     there = more.adopt(now, filter)
     back = filter.adopt(there, more)
     np.testing.assert_allclose(back.mean, now.mean)

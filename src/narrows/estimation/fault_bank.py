@@ -14,48 +14,19 @@ from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import NamedTuple
 
-import numpy as np
-
 from narrows.estimation import settings
 from narrows.estimation.filter_run import FilterRun, Moment, Readings, Start, replay
-from narrows.estimation.sensors import is_white
 from narrows.estimation.ship_filter import MODEL, ShipFilter
 from narrows.simulation.ship_lanes import RUDDER
 
 Faults = frozenset[str]
-
-# Share of the sums of a whiteness test, and of their variance, that remains after a reading.
-WHITENESS_FADING = (1.0 - 1.0 / settings.WHITENESS_MEMORY) ** np.array([1, 2, 1, 1])
 
 
 class Hypothesis(NamedTuple):
     faults: Faults
     run: FilterRun  # Filter with these faults, run over the moments of the window
     score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
-    slow: Faults = frozenset()  # Sensors with slow errors that were not declared
     is_restart: bool = False  # True if it starts from readings and not from the estimate
-
-
-@dataclass
-class WhitenessTest:
-    """Fading autocorrelation of the innovations of a sensor from one reading to the next."""
-
-    # Mehra (1970), On the identification of variances and adaptive Kalman filtering, IEEE Transactions on Automatic
-    # Control 15: zero for the right noise.
-    readings: int = 0
-    last: np.ndarray | None = None
-    # Fading sums: products with the innovation before, the variance of that sum for unit variance, squares, components.
-    sums: np.ndarray = field(default_factory=lambda: np.zeros(4))
-
-    def statistic(self, innovation: np.ndarray) -> float:
-        """Add a whitened innovation; return the autocorrelation [standard deviations], 0 for the first readings."""
-        before = np.zeros_like(innovation) if self.last is None else self.last
-        self.sums *= WHITENESS_FADING
-        self.sums += innovation @ before, innovation.size, innovation @ innovation, innovation.size
-        self.readings, self.last = self.readings + 1, innovation
-        products, variance, squares, components = self.sums.tolist()
-        enough = self.readings >= settings.WHITENESS_READINGS
-        return products / math.sqrt(variance) * components / squares if enough else 0.0
 
 
 @dataclass
@@ -63,8 +34,6 @@ class FaultBank:
     filter: ShipFilter  # Filter without faults
     t: float = 0.0  # Time of the start [s]
     faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
-    slow: Faults = frozenset()  # Sensors with slow errors that were not declared
-    _whiteness: dict[str, WhitenessTest] = field(default_factory=dict)
     _refused: dict[str, float] = field(default_factory=dict)
     _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
     _since: dict[str, float] = field(default_factory=dict)
@@ -77,14 +46,10 @@ class FaultBank:
         self.kept = max(self.horizon, self.window)
         self._next = self._routine = self.t
         self._suspects = [*self.filter.sensors, *({RUDDER} & set(self.filter.actuators)), MODEL]
-        # Receivers without a slow error, neither declared nor found
-        self._white = frozenset(name for name, one in self.filter.sensors.items() if is_white(one))
 
     def test_hypotheses(self, run: FilterRun, read: Readings) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis on new readings, and a sentence if the hypothesis changed."""
-        t, coloured = run.last.t, self.slow | self._correlated(run)
-        if coloured != self.slow:
-            return self._switched_to(run, Hypothesis(self.faults, run, 0.0, coloured), t)
+        t = run.last.t
         refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(read)
         routine = bool(stuck - self.faults or self.faults) and t >= self._routine
         young = t - run.begun < self.window
@@ -103,12 +68,12 @@ class FaultBank:
             or restart.score - cost > _likelihood(best.run, restart.run.begun) - _penalty_of_faults(best.faults)
         ):
             best = restart
-        if best is None or (best.faults == self.faults and best.slow == self.slow and not best.is_restart):
+        if best is None or (best.faults == self.faults and not best.is_restart):
             return run, ""
         return self._switched_to(run, best, t)
 
     def _switched_to(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
-        own, (first, *later) = self.filter.with_errors(best.faults & {RUDDER, MODEL}, best.slow), best.run.history
+        own, (first, *later) = self.filter.with_faults(best.faults & {RUDDER, MODEL}), best.run.history
         first = first._replace(state=own.adopt(first.state, best.run.filter), monitor=own.monitor())
         after = replay(own, first, later, self.horizon, self.kept, best.faults)
         if after is None:
@@ -118,21 +83,10 @@ class FaultBank:
             if own.states == run.filter.states:
                 before = bisect_left(run.history, first.t - settings.SAME_TIME, key=lambda one: one.t)
                 after.history[:0] = run.history[:before]
-        said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.is_restart)
+        said = _sentence(t, self.faults, best.faults, best.is_restart)
         self._since |= dict.fromkeys(best.faults - self.faults, t)
-        self.faults, self.slow, self._refused, after.results = best.faults, best.slow, {}, []
-        self._white -= self.slow
+        self.faults, self._refused, after.results = best.faults, {}, []
         return after, said
-
-    def _correlated(self, run: FilterRun) -> Faults:
-        """Return receivers that count as white and whose innovations are correlated."""
-        found = set()
-        for name in self._white - self.faults:
-            test = self._whiteness.setdefault(name, WhitenessTest())
-            innovations = [one.whitened[one.parts[name]] for one in run.results if name in one.parts]
-            if any(test.statistic(innovation) > settings.WHITENESS_THRESHOLD for innovation in innovations):
-                found.add(name)
-        return frozenset(found)
 
     def _refusing(self, run: FilterRun, t: float) -> bool:
         """Return whether a sensor has been refused for a long time."""
@@ -164,9 +118,9 @@ class FaultBank:
         return frozenset(name for name, (_, count) in self._same.items() if count >= settings.STUCK_READINGS)
 
     def _best_hypothesis(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Hypothesis | None:
-        """Return the best of: no change, one sensor sound again, a slow error, one more with a drift or a step."""
-        moments, t, known, same = run.history, run.last.t, self.faults | stuck, (self.faults, self.slow)
-        base = self._scored(*same, run.filter, moments, known)
+        """Return the best of: no change, one sensor sound again, one more with a drift or a step."""
+        moments, t, known = run.history, run.last.t, self.faults | stuck
+        base = self._scored(self.faults, run.filter, moments, known)
         tried = [base]
         for one in self.faults - stuck:
             lasting = base and t - self._since[one] < settings.LONGEST_FAULT * self.scale
@@ -174,10 +128,7 @@ class FaultBank:
             if lasting and base and not self._small(base.run, one):  # Without the wide error, right or wrong, it gains
                 numbers = len(self.filter.sensors[one].fields) if one in self.filter.sensors else 1
                 cost = settings.FAULT_PRIOR + numbers * math.log(settings.FAULT_STD)
-            tried.append(self._scored(self.faults - {one}, self.slow, run.filter, moments, known, cost))
-        for one in self._white - self.faults:
-            slow = self.slow | {one}
-            tried.append(self._scored(self.faults, slow, run.filter, moments, known, settings.FAULT_PRIOR))
+            tried.append(self._scored(self.faults - {one}, run.filter, moments, known, cost))
         onsets = [(t - ago * self.scale, settings.DRIFT_START) for ago in settings.DRIFT_ONSETS]
         step = (min(self._refused.values()), 1.0) if refusing else (t - self.wait, settings.STEP_START)
         onsets.append(step)
@@ -186,19 +137,19 @@ class FaultBank:
                 place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
                 cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
                 later = base.run.history[place:]
-                tried.append(self._scored(self.faults | {one}, self.slow, base.run.filter, later, known, cost, size))
+                tried.append(self._scored(self.faults | {one}, base.run.filter, later, known, cost, size))
         return _most_likely(tried)
 
     def _scored(
-        self, faults: Faults, slow: Faults, before: ShipFilter, moments: list[Moment], known: Faults, cost: float = 0.0,
+        self, faults: Faults, before: ShipFilter, moments: list[Moment], known: Faults, cost: float = 0.0,
         size: float = 1.0,
     ) -> Hypothesis | None:  # fmt: skip
         """Run a filter over moments, from the first one's state of the filter before."""
-        own, (first, *later) = self.filter.with_errors(faults, slow), moments
+        own, (first, *later) = self.filter.with_faults(faults), moments
         state = own.adopt(first.state, before, size)
         run = replay(own, first._replace(state=state, monitor=own.monitor()), later, self.horizon, self.kept)
         score = _likelihood(run) - _penalty_of_faults(faults, known) - cost if run else 0.0
-        return Hypothesis(faults, run, score, slow) if run else None
+        return Hypothesis(faults, run, score) if run else None
 
     def _small(self, run: FilterRun, name: str) -> bool:
         """Return whether the error of a sensor is as small as its noise again."""
@@ -224,9 +175,9 @@ class FaultBank:
         sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
         tried = []
         for faults in sets:
-            own = self.filter.with_errors(faults, self.slow)
+            own = self.filter.with_faults(faults)
             begun = first._replace(state=replace(start, filter=own).state(first.t))
-            tried.append(self._scored(faults, self.slow, own, [begun, *recent], self.faults))
+            tried.append(self._scored(faults, own, [begun, *recent], self.faults))
         best = _most_likely(tried)
         return best._replace(is_restart=True) if best else None
 
@@ -250,13 +201,12 @@ def _penalty_of_faults(faults: Faults, known: Faults = frozenset()) -> float:
     return settings.FAULT_PRIOR * len(faults - known) * len(faults)
 
 
-def _sentence(t: float, before: Faults, after: Faults, slow: Faults, is_restart: bool) -> str:
+def _sentence(t: float, before: Faults, after: Faults, is_restart: bool) -> str:
     new, back = sorted(after - before), sorted(before - after)
     parts = [
         (is_restart, "the estimate contradicted the readings and started again from the sensors that agree"),
         (new, f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain"),
         (back, f"{' and '.join(back)} agrees with the others again: used"),
-        (slow, f"{' and '.join(sorted(slow))} has slow errors that were not declared: the estimate is less certain"),
     ]
     said = "; ".join(sentence for holds, sentence in parts if holds)
     return f"At t = {t:g} s {said}." if said else ""

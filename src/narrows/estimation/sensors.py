@@ -207,7 +207,7 @@ class Gnss(Antenna):
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        usual: Gnss = with_slow_error(self) if self.coloured == "usual" else self
+        usual = replace(self, coloured=GaussMarkov(self.noise, GNSS_TIME)) if self.coloured == "usual" else self
         return super(Gnss, usual).errors
 
     @property
@@ -266,16 +266,6 @@ class CourseOverGround(Antenna):
 SENSORS: dict[str, type[Measuring]] = {
     sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
 }
-
-
-def is_white(sensor: object) -> bool:
-    """Return whether a sensor is a receiver that declares no slow error."""
-    return isinstance(sensor, Antenna) and sensor.coloured is None
-
-
-def with_slow_error(sensor: Any) -> Any:
-    """Return a sensor with a slow error as large as its noise."""
-    return replace(sensor, coloured=GaussMarkov(sensor.noise, GNSS_TIME))
 
 
 def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:

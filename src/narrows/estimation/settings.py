@@ -19,9 +19,6 @@ REPLAY_TIME = 60.0  # Length of the bank's window [s, of the reference ship]
 JUDGE_WAIT = 5.0  # Time [s, of the reference ship] between two runs of the bank
 RESTART_TIME = 20.0  # Age [s, of the reference ship] of the readings used for a restart
 STUCK_READINGS = 20  # Equal readings in a row after which a sensor may be stuck and the bank is run
-# Whiteness test: memory [readings], the first readings that it needs, and its threshold [standard deviations]: exceeded
-# by chance once in 30 000 independent tests.
-WHITENESS_MEMORY, WHITENESS_READINGS, WHITENESS_THRESHOLD = 200.0, 30, 4.0
 # Error of a faulty sensor, a Gauss-Markov process: its standard deviation [white standard deviations], wide enough for
 # a log stuck at 0, and its random walk [white standard deviations per root period], for a spoof by 0.5 m/s or a stuck
 # value.

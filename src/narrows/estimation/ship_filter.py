@@ -11,7 +11,7 @@ from scipy.special import chdtri
 
 from narrows.base.errors import InputError
 from narrows.estimation import settings
-from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, with_slow_error
+from narrows.estimation.sensors import RudderIndicator, Sensor, error_states
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
 from narrows.estimation.unscented import Gaussian, predict, sigma_point_weights, triangular_root, update
 from narrows.model.model import Model
@@ -40,8 +40,6 @@ class MotionStep(NamedTuple):
 class UpdateResult(NamedTuple):
     t: float  # Time of the readings [s]
     nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
-    parts: dict[str, slice]  # Places of the components of each sensor
-    whitened: np.ndarray  # (numbers,) Innovations over their standard deviations [1], 0 for gross errors
     refused: tuple[str, ...]  # Sensors with a refused reading
     suspects: tuple[str, ...]  # Sensors with biased innovations
     surprising: tuple[str, ...]  # Sensors of several kinds that contradict the model at once; they are used
@@ -74,7 +72,7 @@ class ShipFilter:
     step: float  # Longest step of the motion [s]
     memory: float = math.inf  # Time in which corrections of the coefficients fade [s]
     faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that count as faulty
-    _others: dict[tuple[frozenset[str], frozenset[str]], "ShipFilter"] = field(default_factory=dict, init=False)
+    _others: dict[frozenset[str], "ShipFilter"] = field(default_factory=dict, init=False)
     _layouts: dict[tuple[str, ...], NumberLayout] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
@@ -195,14 +193,11 @@ class ShipFilter:
         added[[self.pairs, 2 * self.pairs], self.actuators.index(RUDDER)] = size, -size
         return added
 
-    def with_errors(self, faults: frozenset[str], slow: frozenset[str]) -> "ShipFilter":
-        """Return the filter with faults, and with slow errors of some sensors; each is made once."""
-        if not faults | slow:
-            return self
-        if (faults, slow) not in self._others:
-            sensors = {name: with_slow_error(one) if name in slow else one for name, one in self.sensors.items()}
-            self._others[faults, slow] = replace(self, sensors=sensors, faults=faults)
-        return self._others[faults, slow]
+    def with_faults(self, faults: frozenset[str]) -> "ShipFilter":
+        """Return the filter with faults; each is made once."""
+        if faults and faults not in self._others:
+            self._others[faults] = replace(self, faults=faults)
+        return self._others.get(faults, self)
 
     def monitor(self) -> np.ndarray:
         """Return empty sums of innovations: they grow for a drifting sensor, although each one passes its gate."""
@@ -267,7 +262,7 @@ class ShipFilter:
         innovation = np.array(numbers) - expected
         for angle in layout.angles:
             innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
-        now, whitened, tests, agree, likelihood = update(
+        now, tests, agree, likelihood = update(
             now, rows, innovation, *layout.tests, monitor, MEMORIES,
             settings.DRIFT_MOST_INNOVATION, settings.GROSS_ERROR_NIS,
         )  # fmt: skip
@@ -276,9 +271,7 @@ class ShipFilter:
         suspects = tuple(name for name, one in zip(readings, drift, strict=True) if one > settings.DRIFT_THRESHOLD)
         squared = dict(zip(readings, nis, strict=True))
         refused, surprising = ((), wrong) if agree else (wrong, ())
-        return now, UpdateResult(
-            t, squared, layout.parts, whitened, refused, suspects, surprising, likelihood, max(drift)
-        )
+        return now, UpdateResult(t, squared, refused, suspects, surprising, likelihood, max(drift))
 
     def layout(self, names: tuple[str, ...]) -> NumberLayout:
         if names not in self._layouts:

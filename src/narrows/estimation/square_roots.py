@@ -75,12 +75,12 @@ def whiten(values: np.ndarray, root: np.ndarray) -> np.ndarray:
 def update(
     mean: np.ndarray, root: np.ndarray, rows: np.ndarray, innovation: np.ndarray, ends: np.ndarray, gates: np.ndarray,
     sources: np.ndarray, places: np.ndarray, sums: np.ndarray, memories: np.ndarray, most: float, gross: float,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool, float]:  # fmt: skip
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool, float]:  # fmt: skip
     """Return mean and root after the readings that pass their gates, with tests of all readings.
 
-    These are the innovations over their standard deviations (m,); of each sensor the normalised innovation squared,
-    whether it exceeds the gate, and the drift statistic, (3, sensors); whether readings over their gates are used; and
-    the log-likelihood, in which refused readings count as at their gate.
+    These are of each sensor the normalised innovation squared, whether it exceeds the gate, and the drift statistic,
+    (3, sensors); whether readings over their gates are used; and the log-likelihood, in which refused readings count as
+    at their gate.
     """
     # rows (j, m): slopes along the columns of the root, nonlinear parts, white noise; end of the components, gate and
     # source of each sensor (sensors,); sums, memories, most: see ``drift_statistics``.
@@ -112,7 +112,7 @@ def update(
         for j in range(len(root)):
             after[i, j] += root[j, i]
     likelihood -= 0.5 * (white[-1] ** 2).sum()
-    return mean + white[-1] @ gain, triangular_root(after), whitened, tests, agree, likelihood
+    return mean + white[-1] @ gain, triangular_root(after), tests, agree, likelihood
 
 
 def drift_statistics(
