@@ -15,7 +15,6 @@ import pytest
 
 import narrows as nw
 from narrows.base.errors import InputError, reason, shown
-from narrows.readers.frames import check_elements
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -128,28 +127,16 @@ SPOILT_MAT = {
     "complex without its second part": (128 + 17, b"\x08"),
     "a class that is none": (128 + 16, b"\xc8"),
     "a type that is none": (128 + 48, struct.pack("<I", 99)),
-    "a length beyond the file": (128 + 4, struct.pack("<I", 10**9)),
 }
 
 
 @pytest.mark.parametrize("kind", SPOILT_MAT)
 def test_matlab_files_that_end_the_process_that_reads_them(kind: str, ship_file: Path, tmp_path: Path) -> None:
-    """SciPy looks a type up in a table without asking whether it is there."""
+    """SciPy looks a type up in a table without asking whether it is there, so another process tries first."""
     at, new = SPOILT_MAT[kind]
     path = tmp_path / "t.mat"
     path.write_bytes(MAT[:at] + new + MAT[at + len(new) :])
     assert "is not a readable mat table" in sentence(lambda: nw.read_captive(path, ship_file))
-
-
-@pytest.mark.parametrize("packed", [False, True])
-def test_sound_matlab_files_pass(packed: bool) -> None:
-    from scipy.io import savemat
-    from scipy.sparse import eye
-
-    memory = io.BytesIO()
-    inner = {"numbers": np.arange(3), "words": "x", "complex": 1j, "cells": [1, "a", 2.5], "none": np.empty((0, 3))}
-    savemat(memory, {"struct": inner, "sparse": eye(3), "long": np.zeros(10**5)}, do_compression=packed)
-    check_elements(memory.getvalue())
 
 
 @pytest.mark.parametrize("name", ["__debug__", "__class__", "lambda", "None", "", "a b", "a\n", "width", "u"])

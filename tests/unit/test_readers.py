@@ -2,7 +2,6 @@
 
 import math
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -161,15 +160,6 @@ def test_units_are_as_they_are_defined(word: str) -> None:
     assert headers.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
 
 
-@pytest.fixture
-def without_pint(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    monkeypatch.setattr(headers, "_by_pint", lambda text: None)
-    monkeypatch.setattr("narrows.readers.headers.find_spec", lambda name: None)
-    headers.unit_named.cache_clear()
-    yield
-    headers.unit_named.cache_clear()
-
-
 COMPOUNDS = {
     "m/s2": (1.0, (1, 0, -2, 0, 0)), "kg m2": (1.0, (2, 1, 0, 0, 0)), "kN·m": (1e3, (2, 1, -2, 0, 0)),
     "m s^-1": (1.0, (1, 0, -1, 0, 0)), "m*s**-1": (1.0, (1, 0, -1, 0, 0)), "mm/s/s": (1e-3, (1, 0, -2, 0, 0)),
@@ -179,21 +169,16 @@ COMPOUNDS = {
 
 
 @pytest.mark.parametrize("text", COMPOUNDS)
-def test_products_and_powers_of_units(text: str, without_pint: None) -> None:
+def test_products_and_powers_of_units(text: str) -> None:
     scale, powers = headers.unit_named(text)
     assert (scale, powers) == (pytest.approx(COMPOUNDS[text][0], rel=1e-14), COMPOUNDS[text][1])
 
 
 @pytest.mark.parametrize("text", ["", "-", "m//s", "1e999", "0", "m^", "^2", "*m", "n/a", "furlong/fortnight"])
-def test_what_is_no_unit_or_a_rare_one(text: str, without_pint: None) -> None:
+def test_what_is_no_unit_or_a_rare_one(text: str) -> None:
     assert headers.unit_named(text) is None
 
 
-def test_pint_knows_rare_units() -> None:
-    assert parse_header("u [furlong/hour]", MOTION).scale == pytest.approx(201.168 / 3600, rel=1e-5)
-
-
-def test_a_rare_unit_without_pint_is_refused_with_what_to_install(without_pint: None) -> None:
-    said = r"unknown unit \[furlong/hour\]; give it in \[m/s\]; for rarer units: .* -m pip install 'pint"
-    with pytest.raises(nw.InputError, match=said):
+def test_a_rare_unit_is_refused() -> None:
+    with pytest.raises(nw.InputError, match=r"unknown unit \[furlong/hour\]; give it in \[m/s\]"):
         parse_header("u [furlong/hour]", MOTION)

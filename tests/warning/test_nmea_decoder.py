@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from logs import motion, sentence
-from narrows.readers.nmea.nmea_decoder import AisFragments, Entry, NmeaDecoder
+from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, sentences
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick, by_second, in_order, replay
 from narrows.warning.inputs.listening import (
@@ -42,16 +42,16 @@ from narrows.warning.inputs.listening import (
 MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000
 
 
-def understood(*lines: str, mmsi: int | None = None, decoder: NmeaDecoder | None = None, t: float = 0.0) -> list[dict]:
+def understood(*lines: str, mmsi: int | None = None, decoder: NmeaDecoder | None = None) -> list[dict]:
     decoder = decoder or NmeaDecoder(mmsi)
     texts = [line.encode("latin-1") for line in lines]
-    told = [decoder.decode(one, t) for one in sentences(texts, decoder.faults)]
+    told = [decoder.decode(one) for one in sentences(texts, decoder.faults)]
     return [one.values for one in told if one is not None]
 
 
 def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Messages:
     decoder = NmeaDecoder()
-    told = [decoder.decode(one, t) for one in sentences([line.encode() for line in lines], decoder.faults)]
+    told = [decoder.decode(one) for one in sentences([line.encode() for line in lines], decoder.faults)]
     entries = [Entry(t, one) for one in told if one is not None]
     return (bridge or BridgeReadings(WAY)).convert(Tick(t, entries, dict(decoder.faults)))
 
@@ -112,43 +112,19 @@ def test_what_ais_stands_for_none_is_not_told() -> None:
     assert not any(any(one.values()) for one in understood(*ais("VDO", 244000000, **unknown)))
 
 
-VOYAGE = {"type": 5, "shipname": "ALPHA", "draught": 10.2}
-
-
-def test_a_message_of_two_sentences_is_joined() -> None:
-    parts = ais("VDO", 244000001, **VOYAGE)
+def test_a_message_of_two_sentences_is_passed_over() -> None:
+    decoder, parts = NmeaDecoder(), ais("VDO", 244000001, type=5, shipname="ALPHA", draught=10.2)
     assert len(parts) == 2
-    assert understood(*parts) == [{"particulars": {"draft": 10.2}}]
-    assert heard(*parts).draft == 10.2
-    assert understood(*ais("VDO", 244000001, **{**VOYAGE, "draught": 0.0})) == [{"particulars": {}}]
-
-
-def test_parts_of_two_ships_are_never_one() -> None:
-    one, other = ais("VDO", 244000001, **VOYAGE), ais("VDO", 244000002, **{**VOYAGE, "draught": 3.0})
-    for order in ([one[0], other[0], other[1], one[1]], [one[0], other[0], one[1]], [one[1], other[0]], [*one[::-1]]):
-        decoder = NmeaDecoder()
-        assert understood(*order, decoder=decoder) == []
-        assert sum(decoder.faults.values()) >= len(order) - 1
-
-
-def test_a_part_that_comes_too_late_is_given_up() -> None:
-    parts = [line.encode() for line in ais("VDO", 244000001, **VOYAGE)]
-    for pause, whole in ((1.9, True), (2.1, False), (-0.1, False)):
-        fragments = AisFragments(Counter())
-        fragments.whole(parts[0], 100.0)
-        assert (fragments.whole(parts[1], 100.0 + pause) is not None) == whole
-        assert len(fragments) == 0
+    assert understood(*parts, decoder=decoder) == []
+    assert not decoder.faults
 
 
 def test_memory_stays_bounded_whatever_ships_there_are() -> None:
     chance, decoder = random.Random(0), NmeaDecoder()
-    for number in range(3 * MOST_SHIPS):
+    for _ in range(3 * MOST_SHIPS):
         line = ais("VDM", 200_000_000 + chance.randrange(99_999_999))[0].encode()
-        decoder.decode(Sentence(line, "AIVDM", None), 0.01 * number)
-        part = b"!AIVDM,3,1,%d,%s,53`dU0@0000,0*00" % (number % 10, b"AB"[number % 2 : number % 2 + 1])
-        decoder.decode(Sentence(part, "AIVDM", None), 0.01 * number)
+        decoder.decode(Sentence(line, "AIVDM", None))
     assert len(decoder.ships) <= MOST_SHIPS
-    assert len(decoder._fragments) <= 20
 
 
 @given(st.binary(max_size=300), st.integers(0, 5))

@@ -43,7 +43,7 @@ def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[
     for t in range(seconds):
         lines = bridge_sentences(canal(), indicated(float(t), **where), BEGAN + t)
         lines = fault(t, lines) if fault else lines
-        told = [decoder.decode(one, float(t)) for one in sentences([line.encode() for line in lines], decoder.faults)]
+        told = [decoder.decode(one) for one in sentences([line.encode() for line in lines], decoder.faults)]
         yield Tick(BEGAN + t, [Entry(BEGAN + t, one) for one in told if one], dict(decoder.faults))
 
 

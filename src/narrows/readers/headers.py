@@ -4,10 +4,9 @@ import math
 import re
 from collections.abc import Mapping
 from functools import cache
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
-from narrows.base.errors import InputError, installing, libraries_of
+from narrows.base.errors import InputError
 from narrows.quantities.names import DEGREE, Quantity
 
 if TYPE_CHECKING:
@@ -70,8 +69,7 @@ def _scale(header: str, unit: str, si: str) -> float:
         return 1.0
     given, wanted = unit_named(unit), unit_named(si)
     if given is None or wanted is None:
-        rarer = "" if find_spec("pint") else f"; for rarer units: {installing(libraries_of('units') or ['pint'])}"
-        raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]{rarer}")
+        raise InputError(f"column {header!r}: unknown unit [{unit}]; give it in [{si}]")
     if given.powers != wanted.powers:
         raise InputError(f"column {header!r}: {unit} is not a unit of this quantity; give it in {si}")
     return given.scale / wanted.scale
@@ -123,14 +121,7 @@ PREFIXES = {
 
 @cache
 def unit_named(text: str) -> Unit | None:
-    """Return a unit from its spelling in headers, ``m/s2``, ``kN m`` or ``deg/s^2``; None if it is unknown.
-
-    The units here are those of ships and of model basins. pint adds the others if it is installed.
-    """
-    return _product(text) or _by_pint(text)
-
-
-def _product(text: str) -> Unit | None:
+    """Return a unit from its spelling in headers, ``m/s2``, ``kN m`` or ``deg/s^2``; None if it is unknown."""
     products = re.sub(r"(?<=[A-Za-z])[-.](?=[A-Za-z])", "*", text.strip())
     signs = products.replace("**", "^").translate({ord("²"): "^2", ord("³"): "^3", ord("·"): "*", ord("・"): "*"})
     parts = re.split(r"\s*([*/])\s*|\s+", signs)
@@ -161,27 +152,10 @@ def _factor(text: str) -> Unit | None:
 def _single(word: str) -> Unit | None:
     """A unit by its name, singular or plural, with or without a prefix."""
     for name in (word, word.removesuffix("s") if len(word) > 3 else word):
-        if known := BASES.get(name) or (_product(UNITS[name]) if name in UNITS else None):
+        if known := BASES.get(name) or (unit_named(UNITS[name]) if name in UNITS else None):
             return known
         for prefix, factor in PREFIXES.items():
             one = name.removeprefix(prefix)
             if one != name and any(one in names.split() for names in PREFIXED) and (known := _single(one)):
                 return Unit(factor * known.scale, known.powers)
     return None
-
-
-def _by_pint(text: str) -> Unit | None:
-    try:
-        one = _registry()(re.sub(r"([a-z])(\d)", r"\1^\2", text).replace("°", "deg")).to_base_units()
-        powers = dict(one.dimensionality)
-        base = [powers.pop(f"[{name}]", 0) for name in ("length", "mass", "time", "current", "temperature")]
-    except Exception:  # It is absent, or raises one of many errors on other words
-        return None
-    return None if powers else Unit(float(one.magnitude), tuple(base))
-
-
-@cache
-def _registry():  # type: ignore[no-untyped-def]
-    import pint
-
-    return pint.UnitRegistry()

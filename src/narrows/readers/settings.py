@@ -4,7 +4,6 @@
 LONGEST_CELL = 60  # characters of a cell in a sentence
 LARGEST = 1e20  # a larger number marks a missing one (netCDF fills with 9.97e36) and spoils every sum
 SHEET_ROWS = 400  # rows of a sheet that are searched for its header
-DEEPEST = 50  # nesting of elements in MATLAB files
 # Text
 BLOCK = 1 << 22  # bytes per block
 FULL_SHARE = 0.5  # [1] least share of filled cells in a row of the table; fewer: text above it
@@ -14,8 +13,6 @@ DIALECT_ROWS = 400  # rows for the same
 HEADER_LINES = 20  # most lines over which the cells of a header may go on
 # NMEA 0183
 MOST_SHIPS = 2000  # ships whose reports are counted; then the half with the fewest is dropped
-PART_WAIT = 2.0  # [s] waiting time for the next part of an AIS message
-MOST_OPEN = 256  # incomplete messages; beyond it the oldest is discarded
 SNIFFED = 1 << 16  # bytes of a file for recognising a recording
 SOURCE_SENTENCES = 20_000  # sentences for choosing the talker of each quantity
 NMEA_SHARE = 0.5  # [1] least share of sentences among the lines of a recording

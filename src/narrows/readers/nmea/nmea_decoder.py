@@ -3,7 +3,7 @@
 Invalid sentences and other ships are counted.
 """
 
-from collections import Counter, OrderedDict
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from datetime import UTC, date, datetime
 from itertools import islice
@@ -16,7 +16,7 @@ import pandas as pd
 from narrows.base.errors import InputError, needs
 from narrows.base.progress import opened
 from narrows.readers import settings
-from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, DecodedMessage, Sentence, decode_parts, sentences
+from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, DecodedMessage, Sentence, decode_text, sentences
 
 
 class NmeaDecoder:
@@ -30,16 +30,11 @@ class NmeaDecoder:
     def forget(self) -> None:
         self.faults: Counter[str] = Counter()
         self.ships: Counter[str] = Counter()
-        self._fragments = AisFragments(self.faults)
 
-    def decode(self, sentence: Sentence, t: float = 0.0) -> DecodedMessage | None:
+    def decode(self, sentence: Sentence) -> DecodedMessage | None:
         """Return the values of a sentence; None if it has none for this package, or is invalid."""
-        ais = sentence.kind.endswith(("VDO", "VDM"))
-        parts = self._fragments.whole(sentence.text, t) if ais else (sentence.text,)
-        if parts is None:
-            return None
         try:
-            message = decode_parts(parts, sentence.kind, self.mmsi)
+            message = decode_text(sentence.text, sentence.kind, self.mmsi)
         except Exception:  # The parsers raise many kinds of errors on bad fields
             self.faults["that cannot be understood"] += 1
             return None
@@ -51,64 +46,6 @@ class NmeaDecoder:
         self.ships[ship] += 1
         if len(self.ships) > settings.MOST_SHIPS:
             self.ships = Counter(dict(self.ships.most_common(settings.MOST_SHIPS // 2)))
-
-
-GIVEN_UP = "of AIS messages whose parts did not come together"
-Key = tuple[bytes, bytes, bytes, bytes]
-
-
-class Waiting(NamedTuple):
-    t: float  # Time of the last part [s]
-    parts: tuple[bytes, ...]  # Parts so far; empty if two ships used one number at once
-
-
-class AisFragments:
-    """Joins the parts of AIS messages, in the order in which they come."""
-
-    # Parts do not name their ship; they carry a number from 0 to 9 that ships share. Parts that come out of order, too
-    # late, or while another message of that number and channel is open are all discarded.
-
-    def __init__(self, faults: Counter[str]) -> None:
-        self.faults = faults
-        self._open: OrderedDict[Key, Waiting] = OrderedDict()
-
-    def whole(self, text: bytes, t: float = 0.0) -> tuple[bytes, ...] | None:
-        fields = text.split(b",", 5)
-        if len(fields) < 6:
-            return None
-        kind, total, number, sequence, channel = fields[:5]
-        if total == b"1":
-            return (text,)
-        self._forget(t)
-        key, first = (kind, total, sequence, channel), number == b"1"
-        waiting = self._open.pop(key, None)
-        if waiting is None and first:
-            self._open[key] = Waiting(t, (text,))
-        elif waiting is None or not waiting.parts or first or number != b"%d" % (len(waiting.parts) + 1):
-            self._give_up(key, waiting, t)
-        elif total == number:
-            return (*waiting.parts, text)
-        else:
-            self._open[key] = Waiting(t, (*waiting.parts, text))
-        return None
-
-    def __len__(self) -> int:
-        return len(self._open)
-
-    def _give_up(self, key: Key, waiting: Waiting | None, t: float) -> None:
-        """Count these parts as lost; the number is not used until it has been silent."""
-        self.faults[GIVEN_UP] += 1 + (len(waiting.parts) if waiting else 0)
-        if waiting is not None:
-            self._open[key] = Waiting(t, ())
-
-    def _forget(self, t: float) -> None:
-        """Discard parts that wait too long; if time goes back, all of them."""
-        while self._open:
-            key, oldest = next(iter(self._open.items()))
-            if 0.0 <= t - oldest.t <= settings.PART_WAIT and len(self._open) <= settings.MOST_OPEN:
-                return
-            del self._open[key]
-            self.faults[GIVEN_UP] += len(oldest.parts)
 
 
 DAY = 86400.0
@@ -201,7 +138,7 @@ class Recording:
 
     def _decoded(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, DecodedMessage]]:
         for sentence in sentences(lines, self.decoder.faults):
-            message = self.decoder.decode(sentence, sentence.logged or 0.0)
+            message = self.decoder.decode(sentence)
             if message is not None:
                 yield sentence, message
 

@@ -3,7 +3,7 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import UTC, date, datetime, time
 from enum import Enum
 from functools import reduce
@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 from narrows.quantities.names import DEGREE, KNOT
 
-# AIS message types with position and motion, and with the ship's loading (ITU-R M.1371).
-AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
+# AIS message types with position and motion, all of one sentence (ITU-R M.1371).
+AIS_POSITIONS = (1, 2, 3, 18)
 NO_SPEED, NO_COURSE = 102.3, 360.0  # AIS values for "not available"; other such values lie beyond ``LARGEST``
 # Largest valid numbers in sentences: larger ones are ignored.
 LARGEST = {
@@ -50,14 +50,14 @@ SOURCES = {
 PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 
 
-def decode_parts(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> DecodedMessage | None:
+def decode_text(text: bytes, kind: str, mmsi: int | None = None) -> DecodedMessage | None:
     if kind.endswith(("VDO", "VDM")):
-        return _ais(parts, kind, mmsi)
+        return _ais(text, kind, mmsi) if text.split(b",", 2)[1] == b"1" else None
     if kind[2:] not in (*FIELDS, *READ, "ZDA"):
         return None
     from pynmeagps import NMEAReader
 
-    message = NMEAReader.parse(parts[0] + b"\r\n")
+    message = NMEAReader.parse(text + b"\r\n")
     source = f"{kind} {message.source}{message.engineshaftnum}" if kind.endswith("RPM") else kind
     clock = getattr(message, "time", None)
     values = READ[kind[2:]](message) if kind[2:] in READ else _fields_of(message, kind[2:])
@@ -165,18 +165,14 @@ def _mwd(message: Any) -> GroupedValues:
 READ = {"HDG": _hdg, "DPT": _dpt, "MWD": _mwd}
 
 
-def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> DecodedMessage | None:
+def _ais(text: bytes, kind: str, mmsi: int | None) -> DecodedMessage | None:
     """The ship's own reports, or those of one ship received from others."""
     import pyais
 
-    message = pyais.decode(*parts)
+    message = pyais.decode(text)
     wanted = kind.endswith("VDO") if mmsi is None else message.mmsi == mmsi
-    values: GroupedValues = {}
-    if wanted and message.msg_type == AIS_VOYAGE:
-        values = {PARTICULARS: _only(draft=message.draught or None)}  # 0 means not available
-    elif wanted and message.msg_type in AIS_POSITIONS:
-        values = _position_report(message.asdict())
-    return DecodedMessage(values, f"{kind} {message.mmsi}")
+    is_report = wanted and message.msg_type in AIS_POSITIONS
+    return DecodedMessage(_position_report(message.asdict()) if is_report else {}, f"{kind} {message.mmsi}")
 
 
 def _position_report(report: Mapping[str, Any]) -> GroupedValues:

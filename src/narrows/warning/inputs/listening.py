@@ -87,7 +87,7 @@ class Listening:
             now, arrivals = time.monotonic(), self.inbox.own()
             while time.monotonic() < now + settings.AIS_TIME_SHARE * settings.PERIOD and (other := self.inbox.other()):
                 arrivals.append(other)
-            decoded = ((t, self.decoder.decode(one, t) if isinstance(one, Sentence) else one) for t, one in arrivals)
+            decoded = ((t, self.decoder.decode(one) if isinstance(one, Sentence) else one) for t, one in arrivals)
             entries = [Entry(t, one) for t, one in decoded if one is not None]
             commands = [one.text for _, one in arrivals if isinstance(one, Sentence) and one.kind.endswith("ACN")]
             yield Tick(now, entries, self.faults(), commands)

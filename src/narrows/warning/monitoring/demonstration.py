@@ -61,7 +61,7 @@ class Demonstration:
         decoder = NmeaDecoder()
         for t, texts in self.seconds():
             lines = [line.encode("ascii") for line in texts]
-            decoded = [decoder.decode(one, t) for one in sentences(lines, decoder.faults)]
+            decoded = [decoder.decode(one) for one in sentences(lines, decoder.faults)]
             yield Tick(t, [Entry(t, one) for one in decoded if one is not None], dict(decoder.faults))
 
 

@@ -97,7 +97,7 @@ class Monitor(Aliased):
             raise InputError("sentences have longitude and latitude; give a waterway with its origin, or readings")
         decoder = self._decoder = self._decoder or NmeaDecoder()
         told = sentences([line.encode() if isinstance(line, str) else line for line in lines], decoder.faults)
-        entries = [Entry(t, message) for one in told if (message := decoder.decode(one, t))]
+        entries = [Entry(t, message) for one in told if (message := decoder.decode(one))]
         return self.engine.bridge.convert(Tick(t, entries, dict(decoder.faults)))
 
     def _messages(self, t: float, given: Mapping[str, Any]) -> Messages:
