@@ -5,29 +5,26 @@ import math
 import numpy as np
 
 # A state is x, y, psi, u, v, r off the reference path, then first-order Gauss-Markov processes: disturbances and sensor
-# errors. Step k has a kind, which chooses how much of a process is kept and how much is new. Most slopes are 0.
+# errors. Most slopes are 0.
 
 
 def filter_readings(
-    covariance: np.ndarray, slopes: np.ndarray, misses: np.ndarray, kind: np.ndarray, kept: np.ndarray,
-    fresh: np.ndarray, walk: np.ndarray, first: np.ndarray, rows: np.ndarray, residual: np.ndarray,
-    variance: np.ndarray, innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray, means: np.ndarray,
-    covariances: np.ndarray,
+    covariance: np.ndarray, slopes: np.ndarray, misses: np.ndarray, kept: np.ndarray, fresh: np.ndarray,
+    walk: np.ndarray, first: np.ndarray, rows: np.ndarray, residual: np.ndarray, variance: np.ndarray,
+    innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray, means: np.ndarray, covariances: np.ndarray,
 ) -> None:  # fmt: skip
     """Write innovations, their variances and gains; predicted means and covariances too where there is room."""
-    # covariance (d, d); slopes (n, 6, d); misses (n, 6); kind (n,); kept (kinds, m); fresh (kinds, m, m);
-    # walk (kinds, 6); first (n + 1,); rows (N, d); residual, variance, innovation, spread (N,); gains (N, d);
-    # means (n, d) or (0, d); covariances likewise
+    # covariance (d, d); slopes (n, 6, d); misses, walk (n, 6); kept (m,); fresh (m, m); first (n + 1,); rows (N, d);
+    # residual, variance, innovation, spread (N,); gains (N, d); means (n, d) or (0, d); covariances likewise
     # Scalar updates one after the other: Anderson and Moore (1979), Optimal Filtering, section 6.4.
     z, cov, moved = np.zeros(len(covariance)), covariance.copy(), np.empty((6, len(covariance)))
-    for k in range(len(kind)):
+    for k in range(len(slopes)):
         if len(means):
             means[k] = z
             covariances[k] = cov
         for i in range(first[k], first[k + 1]):
             update(z, cov, rows[i], residual[i], variance[i], innovation, spread, gains, i)
-        a = kind[k]
-        predict(z, cov, moved, slopes[k], misses[k], kept[a], fresh[a], walk[a])
+        predict(z, cov, moved, slopes[k], misses[k], kept, fresh, walk[k])
 
 
 def update(
@@ -83,16 +80,16 @@ def predict(
 
 
 def smooth(
-    slopes: np.ndarray, kind: np.ndarray, kept: np.ndarray, first: np.ndarray, rows: np.ndarray,
-    innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray, means: np.ndarray, covariances: np.ndarray,
+    slopes: np.ndarray, kept: np.ndarray, first: np.ndarray, rows: np.ndarray, innovation: np.ndarray,
+    spread: np.ndarray, gains: np.ndarray, means: np.ndarray, covariances: np.ndarray,
 ) -> None:  # fmt: skip
     """Write smoothed means in the place of the predicted ones."""
     # The modified Bryson-Frazier smoother, which inverts nothing: Bierman (1973), Automatica 9.
     size = means.shape[1]
     adjoint, before = np.zeros(size), np.zeros(size)
-    for k in range(len(kind) - 1, -1, -1):
+    for k in range(len(slopes) - 1, -1, -1):
         for j in range(size):
-            before[j] = kept[kind[k], j - 6] * adjoint[j] if j >= 6 else 0.0
+            before[j] = kept[j - 6] * adjoint[j] if j >= 6 else 0.0
             for i in range(6):
                 before[j] += slopes[k, i, j] * adjoint[i]
         adjoint[:] = before

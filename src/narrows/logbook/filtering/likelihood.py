@@ -8,7 +8,6 @@ all records is Fisher scoring with Levenberg's damping, within the bounds of the
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +23,6 @@ WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])  # Standard deviation of a step
 SPEED_WALK = 2e-3  # Random walk of a held speed in a second, over itself
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
 START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
-IN_MEETINGS = 30.0  # Factor of gusts while another ship passes
-USUAL, MET, LOOSE = 0, 1, 2
 # A residual over its noise beyond which a reading counts less.
 OUTLIER = 4.0
 DIFFERENCE = 1e-4  # standard deviations before records, for slopes
@@ -61,11 +58,6 @@ class LinearRecord:
     residual: np.ndarray  # (N,) Readings less those of the reference with no process
     left: np.ndarray  # (N,) Readings less those of the reference
 
-    @cached_property
-    def kind(self) -> np.ndarray:
-        met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
-        return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
-
     def variances(self, model: StochasticModel) -> np.ndarray:
         parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
         return np.asarray(np.concatenate(parts)[self.grid.order])
@@ -80,24 +72,22 @@ class LinearRecord:
         self, model: StochasticModel, weights: np.ndarray, smooth: bool = False
     ) -> tuple[Innovations, np.ndarray]:
         """Filter the readings; smooth the states off the reference and the processes too, (n, 6 + m), if asked."""
-        (count, size), kind, step, scale = self.rows.shape, self.kind, self.grid.step, self.problem.scales
+        (count, size), step, scale = self.rows.shape, self.grid.step, self.problem.scales
         room, first, loops = len(self.slopes) * smooth, self.grid.first_readings, compiled_loops(kalman_loops)
-        kept = np.tile(model.kept(step), (3, 1))
-        kept[MET, [one.name in model.gusts for one in model.processes]] = 0.0
-        stationary = np.stack([model.covariance(IN_MEETINGS if place == MET else 1.0) for place in range(3)])
+        kept, stationary = model.kept(step), model.covariance()
         regular, started = (self.problem.walk * WALKS * scale) ** 2, (START * scale) ** 2
         regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * (self.problem.motion.integrator.ship.surge == "held")
         found, gains = Innovations(np.empty(count), np.empty(count)), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
         start = np.diag(np.append(started, np.zeros(size - 6)))
-        start[6:, 6:] = stationary[kind[0]]
-        fresh = stationary * (1 - kept[:, :, None] * kept[:, None])
+        start[6:, 6:] = stationary
+        walk = np.where(self.grid.whole[:, None], regular, started)  # Loose where the motion is not known
         loops.filter_readings(
-            start, self.slopes, self.misses, kind, kept, fresh, np.stack([regular, regular, started]), first, self.rows,
+            start, self.slopes, self.misses, kept, stationary * (1 - np.outer(kept, kept)), walk, first, self.rows,
             self.residual, self.variances(model) / weights, *found, gains, means, covariances,
         )  # fmt: skip
         if smooth:
-            loops.smooth(self.slopes, kind, kept, first, self.rows, *found, gains, means, covariances)
+            loops.smooth(self.slopes, kept, first, self.rows, *found, gains, means, covariances)
         return found, means
 
 

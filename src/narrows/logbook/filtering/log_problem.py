@@ -159,7 +159,7 @@ class StochasticModel:
     noise: Mapping[str, float]  # Standard deviation of a reading of each signal
     estimated: tuple[Estimated, ...] = ()
     correlation: float = 0.0  # Correlation of gusts in sway and yaw [1]
-    gusts: tuple[str, ...] = ()  # Processes that are stronger in meetings
+    gusts: tuple[str, ...] = ()  # Processes that are gusts
 
     def at(self, numbers: Sequence[float] | np.ndarray) -> "StochasticModel":
         """Return the model at estimated numbers, each 0 for its usual value."""
@@ -175,9 +175,9 @@ class StochasticModel:
                     processes[name] = processes[name]._replace(**{of: getattr(processes[name], of) * factor})
         return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation)
 
-    def covariance(self, stronger: float = 1.0) -> np.ndarray:
-        """Return the stationary covariance of the processes, with stronger gusts, (m, m)."""
-        std = np.array([one.std * (stronger if one.name in self.gusts else 1.0) for one in self.processes])
+    def covariance(self) -> np.ndarray:
+        """Return the stationary covariance of the processes, (m, m)."""
+        std = np.array([one.std for one in self.processes])
         matrix, names = np.diag(std**2), [one.name for one in self.processes]
         if SWAY in names and YAW in names:
             i, j = names.index(SWAY), names.index(YAW)

@@ -109,10 +109,9 @@ class Readings(NamedTuple):
 class RecordGrid:
     record: ShipRecord  # Record
     times: np.ndarray  # (nodes,) Ends of the steps [s]
-    whole: np.ndarray  # (steps,) True where the actuators are known all through it
+    whole: np.ndarray  # (steps,) True where the actuators are known all through it, and no other ship passes
     positions: Mapping[str, np.ndarray]  # (nodes,) Positions of the actuators at the nodes
     readings: Mapping[str, Readings]  # By signal; of whole steps alone
-    meetings: np.ndarray  # (steps,) True where another ship passes
 
     def __len__(self) -> int:
         return len(self.times) - 1
@@ -162,7 +161,7 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: 
     positions = {
         name: _at_nodes(moved[name], times) if name in moved else np.full(count + 1, at) for name, at in usual.items()
     }
-    whole = np.ones(count, bool)
+    whole = ~_meetings(record, times)
     for signal in moved.values():
         for i in np.flatnonzero(np.diff(signal.t) > max(GAP * signal.step, step)):
             low, high = np.searchsorted(times, signal.t[i : i + 2])
@@ -171,7 +170,7 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: 
     if pilot and RUDDER in moved:
         at = np.flatnonzero(whole)
         readings[HELM] = Readings(positions[RUDDER][at + 1], at, np.full(len(at), 0.5), np.ones(len(at)))
-    return RecordGrid(record, times, whole, positions, readings, _meetings(record, times))
+    return RecordGrid(record, times, whole, positions, readings)
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:

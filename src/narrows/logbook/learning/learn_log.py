@@ -19,7 +19,7 @@ from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, OFFSET, RUDDER
 from narrows.logbook.learned_coefficient import learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
-from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
+from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord
@@ -141,7 +141,7 @@ def log_result(
     ranges = np.stack([one.ranges for one in found.records]).T
     came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
-    assumed = _assumptions(found.problem, free, sum(answer.met for answer in answers))
+    assumed = _assumptions(found.problem, free)
     about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
              *(stopped,) * found.interrupted)  # fmt: skip
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
@@ -153,7 +153,7 @@ def log_result(
 
 def _posterior(found: SearchResult) -> LogPosterior:
     scores = np.stack([one.score for one in found.records])
-    return log_posterior(found.problem, found.unknowns, found.information, scores, posterior_mean(found))
+    return log_posterior(found.problem, found.unknowns, found.information, scores)
 
 
 def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
@@ -189,8 +189,8 @@ def _noise(found: SearchResult) -> dict[str, SignalNoise]:
     }  # fmt: skip
 
 
-def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator[str]:
-    """Yield a sentence on fixed coefficients, on ship and water, and on passing ships."""
+def _assumptions(problem: LogProblem, free: Sequence[str]) -> Iterator[str]:
+    """Yield a sentence on fixed coefficients, and on ship and water."""
     if free:
         yield f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients."
     model = problem.motion.model
@@ -209,5 +209,3 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
             "The log has no propeller revolutions: each record has an unknown number of them about those that keep the "
             "usual speed. The rudder's force depends on them; record them."
         )
-    if met:
-        yield f"Another ship passed in {met} steps; forces there are not used."

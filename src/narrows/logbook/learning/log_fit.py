@@ -49,7 +49,6 @@ class RecordAnswer(Aliased):
     name: str  # Name of the record
     duration: float  # Duration [s]
     steps: int  # Steps of the filter
-    met: int  # Steps with a passing ship
     zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
     information: dict[str, float]  # Share of each coefficient's information that comes from the record [1]
     moved: dict[str, float]  # Change of each coefficient by the record
@@ -94,7 +93,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     }  # fmt: skip
     read = {name: grid.readings[name] for name in ("x", *JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
-        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()), zeros,
+        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), zeros,
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in JUDGED},
@@ -206,7 +205,7 @@ UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
 MOVED_STDS = 3.0  # Change from which a contradiction names a coefficient [prior standard deviations]
 # Fields of each record in ``to_dict``.
-RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "moved", "whole")
+RECORD_FIELDS = ("name", "duration", "steps", "zeros", "information", "moved", "whole")
 
 
 class Gusts(NamedTuple):

@@ -1,4 +1,4 @@
-"""Coefficients before a log, and after it: prior, posterior mean, and standard errors by the scatter of records."""
+"""Coefficients before a log, and after it: prior, posterior, and standard errors by the scatter of records."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
@@ -7,8 +7,7 @@ import numpy as np
 from scipy import special
 
 from narrows.base.errors import InputError
-from narrows.logbook.filtering.likelihood import SearchResult
-from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
+from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.model.additions import ASYMMETRY, RUDDER_EVEN, STRAIGHTENED, STRAIGHTENING, asymmetric
 from narrows.model.derived_models import extend
 from narrows.model.model import Model
@@ -19,9 +18,6 @@ from narrows.simulation.ship import SimulatedShip
 
 LEAST_REDUCTION = 1e-3  # Least reduction of the prior variance [1] by which a log determines a combination
 EXPECTED_SCATTER = 10  # Weight of the expected scatter of scores [records]
-POINTS, SEED = 4096, 26  # Points and seed of importance sampling
-DIFFERENCE = 1e-4  # Step of finite differences at the mode [prior standard deviations]
-WIDER = 1.1  # Width of the proposal over that of the Gaussian at the mode, for its tails [1]
 
 # Standard deviations of coefficients: relative to their size [1], or by name in the coefficient's unit.
 Spread = float | Mapping[str, float]
@@ -138,14 +134,11 @@ class LogPosterior:
 
 
 def log_posterior(
-    problem: Unknowns, unknowns: np.ndarray, information: np.ndarray, scores: np.ndarray | None = None,
-    moments: tuple[np.ndarray, np.ndarray] | None = None,
-) -> LogPosterior:  # fmt: skip
+    problem: Unknowns, unknowns: np.ndarray, information: np.ndarray, scores: np.ndarray | None = None
+) -> LogPosterior:
     """Return the posterior of all coefficients by the information (P, P), and scores of records (N, P)."""
-    # ``moments``: mean (P,) and covariance (P, P) of all unknowns; default: the mode, and the inverse of prior and
-    # information.
     prior, count, model = problem.prior, problem.count, problem.prior.model
-    mean, covariance = moments or (unknowns, problem.covariance(information))
+    covariance = problem.covariance(information)
     if scores is not None and len(scores) > 1:
         covariance = sandwich(covariance, information, scores)
     before = np.asarray(model.covariance)
@@ -153,7 +146,7 @@ def log_posterior(
     places = [model.terms.names.index(name) for name in prior.names]
     learned = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
     after = before + weights @ (learned - before[np.ix_(places, places)]) @ weights.T
-    moved = weights @ (prior.scale * mean[:count])
+    moved = weights @ (prior.scale * unknowns[:count])
     if not prior.free.all():
         # Schmidt's (1966) Kalman update: held coefficients keep mean and covariance, and their errors count in those of
         # the free ones, which are as in the joint fit; Bierman (1977), Factorization Methods, chapter 8.
@@ -205,57 +198,3 @@ def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tu
     sizes, axes = np.linalg.eigh(np.linalg.inv(precision) - np.linalg.inv(information + precision))
     counted = sizes > LEAST_REDUCTION
     return float(np.sum((axes.T @ moved)[counted] ** 2 / sizes[counted])), int(counted.sum())
-
-
-def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
-    """Return the mean (P,) and the covariance (P, P) of all unknowns; at the mode where inertia is known."""
-    # By importance sampling about the mode: Geweke (1989), Bayesian inference in econometric models using Monte Carlo
-    # integration; Owen, Zhou (2000), Safe and effective importance sampling: fixed points of low discrepancy. Motion
-    # determines forces over inertia. In these the likelihood is nearly quadratic, in forces and inertias it is not:
-    # under a wide prior the mode lies below the mean in all of them.
-    from scipy.stats import qmc
-
-    problem, mode, information = found.problem, found.unknowns, found.information
-    covariance = problem.covariance(information)
-    if not problem.inertia[:, 1:].any():
-        return mode, covariance
-    sobol = qmc.Sobol(len(mode), seed=SEED).random(POINTS)
-    normal = WIDER * special.ndtri(np.clip(sobol, 1e-9, 1 - 1e-9))
-    drawn = mode + normal @ np.linalg.cholesky(covariance).T
-    (over, lighter), aside = _over_inertia(problem, drawn, mode), DIFFERENCE * np.eye(len(mode))
-    ends = [_over_inertia(problem, mode + side, mode)[0] for side in (aside, -aside)]
-    off = np.linalg.solve((ends[0] - ends[1]).T / (2 * DIFFERENCE), (over - mode).T).T
-    prior = np.einsum("ij,jk,ik->i", drawn, problem.precision, drawn)
-    likelihood = 2.0 * off @ found.score - np.einsum("ij,jk,ik->i", off, information, off)
-    logarithm = (likelihood - prior + (normal**2).sum(axis=1) / WIDER**2) / 2.0
-    logarithm[(lighter <= 0.0).any(axis=1)] = -np.inf
-    weights = np.exp(logarithm - logarithm.max())
-    weights /= weights.sum()
-    mean = weights @ drawn
-    deviation = drawn - mean
-    mean[: problem.count] = np.clip(mean[: problem.count], *problem.prior.limits)
-    return mean, deviation.T @ (weights[:, None] * deviation)
-
-
-def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    # Return unknowns (..., P) with forces over inertia and 1 over inertia instead of forces and inertia, equal to these
-    # at the mode: accelerations are linear in them. Also return the inertia at the mode over theirs, (..., 3).
-    prior = problem.prior
-    axes_of = {
-        term.name: axis
-        for axis, terms in enumerate(prior.model.terms.forces.values())
-        for term in terms
-        if term.kind != TermKind.INERTIA
-    }
-    # Coefficients of forces on one axis of motion, and these axes
-    single = [k for k, name in enumerate(prior.names) if name in axes_of and not problem.inertia[:, 1 + k].any()]
-    places, axes = np.array(single, int), np.array([axes_of[prior.names[k]] for k in single], int)
-    at_mode, inertia = (
-        problem.inertia[:, 0] + (prior.mean + prior.scale * each[..., : problem.count]) @ problem.inertia[:, 1:].T
-        for each in (mode, unknowns)
-    )
-    found, lighter, centre = unknowns.copy(), at_mode / inertia, (prior.mean / prior.scale)[places]
-    found[..., places] = (centre + unknowns[..., places]) * lighter[..., axes] - centre
-    axes, places = np.nonzero(problem.inertia[:, 1:])
-    found[..., places] = mode[places] + (unknowns - mode)[..., places] * lighter[..., axes]
-    return found, lighter
