@@ -1,10 +1,10 @@
 """What takes long is said where somebody listens, and nowhere else."""
 
+import importlib
 import logging
 from pathlib import Path
 
 import pytest
-import rich.progress
 
 import narrows as nw
 from narrows.base import progress
@@ -12,20 +12,13 @@ from narrows.base.progress import bar, listening, opened, stage
 from narrows.codegen import cache
 from tables import frame_of, short_twin, written
 
-TEXT = """
-import numba
-
-cached = numba.njit(cache=True)
-lane = {}
-
-@cached
+LOOPS = '''"""Two functions."""
 def three():
     return 3
 
-@cached
 def four(one):
     return three() + one
-"""
+'''
 
 
 def test_lines_go_to_who_listens() -> None:
@@ -41,42 +34,18 @@ def test_lines_go_to_who_listens() -> None:
 
 
 def test_a_first_compilation_says_that_it_compiles(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Once a module, and not where Numba finds on disk what it compiled before."""
+    """Not where Numba finds on disk what it compiled before."""
     monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path))
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "two_loops.py").write_text(LOOPS)
+    module = importlib.import_module("two_loops")
     heard: list[str] = []
     with listening(heard.append):
-        for name in ("first", "first", "second"):
-            made = cache.import_generated("kernel", [name, str(tmp_path)], lambda name=name: TEXT.format(repr(name)))
-            assert made.four(1) == made.four(2) - 1 == 4
-        cache.import_generated("plain", [str(tmp_path)], lambda: "lane = 3\n")
-        assert len(heard) == 2
-        cache._MODULES.clear()
-        again = cache.import_generated("kernel", ["first", str(tmp_path)], lambda: "")
-        assert again is not made
-        assert again.four(1) == 4
-    assert len(heard) == 2
-    assert heard[0].startswith("compiling loops over vessels")
-
-
-def test_the_bar_of_a_compilation_is_full_at_its_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every function that Numba compiles is counted once, beside a bar that waits for it."""
-    monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path))
-    monkeypatch.setenv("TTY_COMPATIBLE", "1")
-    seen: dict[str, list[float]] = {}
-    advance = rich.progress.Progress.advance
-
-    def counted(self: rich.progress.Progress, task: rich.progress.TaskID, steps: float = 1) -> None:
-        advance(self, task, steps)
-        of = {task.id: task for task in self.tasks}[task]
-        seen.setdefault(of.description, []).append(of.percentage)
-
-    monkeypatch.setattr(rich.progress.Progress, "advance", counted)
-    with bar(2, shown=True) as done:
-        module = cache.import_generated("kernel", ["full", str(tmp_path)], lambda: TEXT.format("'full'"))
-        assert module.four(1) == 4
-        done(1)
-        done(1)
-    assert seen == {"compiling": [50.0, 100.0], "voyages": [50.0, 100.0]}
+        for _ in range(2):
+            cache._MODULES.clear()
+            assert cache.compiled_loops.__wrapped__(module).four(1) == 4
+    (note,) = heard
+    assert note.startswith("compiling loops over vessels")
 
 
 def test_large_tables_are_read_behind_a_bar(

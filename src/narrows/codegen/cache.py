@@ -2,6 +2,7 @@
 
 import hashlib
 import inspect
+import logging
 import os
 import platform
 import re
@@ -50,10 +51,9 @@ def key_of(parts: Iterable[object]) -> str:
 
 
 def cache_folder() -> Path:
-    """Return the folder of generated modules: the user's cache folder, or a temporary one if that is read-only."""
-    # The environment variable ``NARROWS_CACHE_DIR`` overrides it.
+    """Return the folder of generated modules: in the user's cache folder, or where the environment variable says."""
     chosen = os.environ.get(FOLDER_VARIABLE)
-    return _writable_folder((Path(chosen) if chosen else user_cache_folder()) / "compiled")
+    return (Path(chosen) if chosen else user_cache_folder()) / "compiled"
 
 
 def user_cache_folder() -> Path:
@@ -65,25 +65,9 @@ def user_cache_folder() -> Path:
     return Path(os.environ.get("XDG_CACHE_HOME", "").strip() or home / ".cache") / "narrows"
 
 
-@lru_cache(maxsize=8)
-def _writable_folder(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError:
-        return Path(_temporary_folder().name)
-
-
-@lru_cache(maxsize=1)
-def _temporary_folder() -> tempfile.TemporaryDirectory[str]:
-    # The function cache keeps a reference; the folder is removed when the process ends.
-    return tempfile.TemporaryDirectory(prefix="narrows-")
-
-
 def import_generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module; make it if no process has made it before."""
-    # A damaged file is made again. A read-only folder is replaced by a temporary one, or else by memory.
+    # A damaged file is made again. Where the folder cannot be written, the module is kept in memory.
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:
@@ -111,8 +95,6 @@ def _make_module(path: Path, text: str) -> ModuleType:
     # Numba raises RuntimeError if it cannot store compiled code next to a file.
     with suppress(OSError, RuntimeError):
         return _execute(_write(path, text), text)
-    with suppress(OSError, RuntimeError):
-        return _execute(_write(Path(_temporary_folder().name) / path.name, text), text)
     return _execute(path, text.replace("cache=True", "cache=False"))
 
 
@@ -129,10 +111,9 @@ def _execute(path: Path, text: str) -> ModuleType:
         del sys.modules[module.__name__]
         raise
     if sys.modules.get("numba"):  # None marks a blocked import
-        from narrows.codegen.compilation import checked, watch
+        from narrows.codegen.compilation import check_files
 
-        checked(module)
-        watch(module, text)
+        check_files(module)
     return module
 
 
@@ -175,9 +156,15 @@ def compiled_loops(module: ModuleType) -> ModuleType:
         return module
     text = inspect.getsource(module)
     name = module.__name__.rpartition(".")[2]
-    # Without the module's docstring, which would follow the header's imports.
-    decorated = re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
-    compiled = import_generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)
+
+    def written() -> str:
+        note = "compiling loops over vessels, which takes some seconds and is kept for the next time ..."
+        logging.getLogger("narrows").info(note)
+        # Without the module's docstring, which would follow the header's imports.
+        body = text.split('"""\n', 1)[1]
+        return HEADER.format(name=name) + re.sub(r"^def ", "@cached\ndef ", body, flags=re.MULTILINE)
+
+    compiled = import_generated(name, [text, HEADER], written)
     for imported, function in list(vars(compiled).items()):
         # Compiled code can call only compiled functions.
         if inspect.isfunction(function) and function.__module__.startswith("narrows."):

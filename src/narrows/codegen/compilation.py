@@ -1,27 +1,22 @@
 """Compilation: straight lines of Python by LLVM, for one vessel or over lanes as vectors; loops by Numba.
 
 Numba infers types and counts references, which takes seconds where formulas are long. A straight line of numbers needs
-neither, and a loop over lanes is written as vectors at once. For Numba: a progress bar, and checked files of its code.
+neither, and a loop over lanes is written as vectors at once. For Numba: checked files of its code.
 """
 
 import ast
-import gc
 import hashlib
-import logging
 import pickle
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack, suppress
-from functools import cache
+from contextlib import suppress
+from functools import cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import llvmlite.binding as llvm
 from llvmlite import ir
-from numba.core import event
 from numba.core.caching import IndexDataCacheFile
-
-from narrows.base.progress import bar, is_shown
 
 INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
 # Arguments that are arrays, and whole numbers; all others are numbers.
@@ -282,51 +277,6 @@ def _element(value: Value) -> ir.Type:
     return value.type.element if _is_vector(value) else value.type
 
 
-# Number of functions to compile in each generated file, by file name.
-FUNCTIONS: dict[str, int] = {}
-
-
-class CompilationBar(event.Listener):  # type: ignore[misc]
-    """Progress bar of the functions that Numba compiles; Numba's lock admits one thread at a time."""
-
-    def __init__(self) -> None:
-        self.depth, self.file, self.collected = 0, "", False
-        self.shown = ExitStack()
-        self.advance: Callable[[int], None] = lambda done: None
-
-    def on_start(self, event: Any) -> None:
-        if (total := FUNCTIONS.get(_file(event))) is None:
-            return
-        if self.depth == 0:
-            logging.getLogger("narrows").info(
-                "compiling loops over vessels, which takes some seconds and is kept for the next time ..."
-            )
-            self.file, self.collected = _file(event), gc.isenabled()
-            gc.disable()  # Looking for garbage among what Numba makes takes a sixth of the time.
-            self.advance = self.shown.enter_context(bar(total, is_shown(), "compiling"))
-        self.depth += 1
-
-    def on_end(self, event: Any) -> None:
-        if _file(event) in FUNCTIONS:
-            self.advance(_file(event) == self.file)  # Shared functions belong to no file's count
-            self.depth -= 1
-            if self.depth == 0:
-                self.shown.close()
-                if self.collected:
-                    gc.enable()
-
-
-def _file(event: Any) -> str:
-    return str(event.data["dispatcher"].py_func.__code__.co_filename)
-
-
-def watch(module: ModuleType, text: str) -> None:
-    """Report from now on when functions of a generated module are compiled."""
-    if not FUNCTIONS:
-        event.register("numba:compile", CompilationBar())
-    FUNCTIONS[str(module.__file__)] = text.count("\n@cached\n")
-
-
 # Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged
 # file is compiled again, and an unwritable one is ignored.
 DIGEST = hashlib.sha256().digest_size
@@ -357,25 +307,15 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
         return str(self._data_path(self._data_name(int(hashlib.sha256(repr(key).encode()).hexdigest()[:12], 16))))
 
 
-class CheckedCache:
-    """Cache of one compiled function; the function compiles even if the disk fails."""
-
-    def __init__(self, cache: Any) -> None:
-        old = cache._cache_file
-        cache._cache_file = CheckedFile(old._cache_path, "", old._source_stamp)
-        vars(cache._cache_file).update(vars(old))
-        self._cache = cache
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._cache, name)
-
-    def save_overload(self, signature: Any, data: Any) -> None:
-        with suppress(OSError):
-            self._cache.save_overload(signature, data)
-
-
-def checked(module: ModuleType) -> None:
+def check_files(module: ModuleType) -> None:
+    """Keep what Numba compiles for a module in checked files; its functions compile even if the disk fails."""
     for value in vars(module).values():
         cache = getattr(value, "_cache", None)
         if hasattr(cache, "_cache_file"):
-            value._cache = CheckedCache(cache)
+            cache._cache_file.__class__ = CheckedFile
+            cache.save_overload = partial(_saved, cache.save_overload)
+
+
+def _saved(save: Callable[..., None], *compiled: Any) -> None:
+    with suppress(OSError):
+        save(*compiled)

@@ -136,35 +136,18 @@ def state_of(state: Any) -> dict[str, Number]:
 class Jacobian(BaseResult):
     """Exact derivatives of the rates of x, y, psi, u, v, r at a state.
 
-    Parameters
-    ----------
-    A : array (6, 6)
-        Derivatives by the state: SI units of rate over state.
-    B : array (6, inputs)
-        Derivatives by the inputs: external forces X, Y [N], N [N m] and positions of actuators.
-    G : array (6, coefficients)
-        Derivatives by the coefficients of the model.
-    states, inputs, coefficients : tuple of str
-        Names of rows and columns.
-    state : mapping of str to float
-        The state: x, y [m], psi [rad], u, v [m/s], r [rad/s].
-    notes : tuple of str
-        Uncertainties of the bank force.
-
-    Examples
-    --------
     >>> nw.jacobian(model, y=0.5, u=1.0).A.shape
     (6, 6)
     """
 
-    A: np.ndarray
-    B: np.ndarray
-    G: np.ndarray
-    states: tuple[str, ...]
-    inputs: tuple[str, ...]
-    coefficients: tuple[str, ...]
-    state: dict[str, Number]
-    notes: tuple[str, ...]
+    A: np.ndarray  #: (6, 6) Derivatives by the state: SI units of rate over state
+    B: np.ndarray  #: (6, inputs) Derivatives by external forces X, Y [N], N [N m] and positions of actuators
+    G: np.ndarray  #: (6, coefficients) Derivatives by the coefficients of the model
+    states: tuple[str, ...]  #: Names of the rows
+    inputs: tuple[str, ...]  #: Names of the columns of B
+    coefficients: tuple[str, ...]  #: Names of the columns of G
+    state: dict[str, Number]  #: The state: x, y [m], psi [rad], u, v [m/s], r [rad/s]
+    notes: tuple[str, ...]  #: Uncertainties of the bank force
 
     def poles(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], the most unstable first."""

@@ -56,45 +56,24 @@ SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -
 class Outcome(Aliased):
     """Outcome of a voyage.
 
-    Parameters
-    ----------
-    kind : str
-        ``grounded``, ``afloat``, ``left validity``, ``diverged``, ``left the waterway``, ``touched bottom`` or
-        ``choked``.
-    time : float [s]
-        Time of the end.
-    distance : float [m]
-        Distance along the canal from the start.
-    side : str, optional
-        ``starboard`` or ``port`` if it grounded; ``bow`` or ``stern`` if it touched bottom; ``beginning`` or ``end`` if
-        it left the waterway.
-    state : dict of str to float
-        x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
-    notes : tuple of str
-        Quantities in which it left the tested range of the model (the voyage continued); the track's error if the time
-        step was too long.
-    lengths : float [1]
-        The distance in ship lengths.
-    clearance : float, optional [m]
-        Least distance between hull and banks, if it reached the end of a waterway.
-    largest_rudder : float, optional [rad]
-        Largest rudder angle to either side, if it was steered to the end of a waterway.
-
-    Examples
-    --------
     >>> nw.simulate(model, y=0.5, u=1.0).outcome.side
     'port'
     """
 
+    #: ``grounded``, ``afloat``, ``left validity``, ``diverged``, ``left the waterway``, ``touched bottom``, ``choked``
     kind: str
-    time: float
-    distance: float
+    time: float  #: Time of the end [s]
+    distance: float  #: Distance along the canal from the start [m]
+    #: ``starboard`` or ``port`` if it grounded; ``bow`` or ``stern`` if it touched bottom; ``beginning`` or ``end`` if
+    #: it left the waterway
     side: str | None = None
-    state: dict[str, float] = field(default_factory=dict)
+    state: dict[str, float] = field(default_factory=dict)  #: x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment
+    #: Quantities in which it left the tested range of the model (the voyage continued); the track's error if the time
+    #: step was too long
     notes: tuple[str, ...] = ()
-    lengths: float = math.nan
-    clearance: float | None = None
-    largest_rudder: float | None = None
+    lengths: float = math.nan  #: The distance in ship lengths [1]
+    clearance: float | None = None  #: Least distance to the banks, if it reached the end of a waterway [m]
+    largest_rudder: float | None = None  #: Largest rudder angle to either side, likewise [rad]
 
     @property
     def impact_speed(self) -> float:

@@ -36,30 +36,16 @@ STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"
 class Sensitivities(BaseResult):
     """A voyage with the exact derivatives of its computed state.
 
-    Parameters
-    ----------
-    voyage : Voyage
-        The voyage.
-    by : tuple of str
-        Quantities of the differentiation.
-    slopes : array (times, 6, by)
-        Derivatives of x, y [m], psi [rad], u, v [m/s] and r [rad/s] per SI unit of each quantity.
-    values : mapping of str to float
-        Their values in the voyage.
-    model : Model
-        The ship.
-
-    Examples
-    --------
     >>> nw.sensitivities(model, by=("y",), y=0.5, u=1.0, duration=1.0).voyage.grounded
     False
     """
 
-    voyage: Voyage
-    by: tuple[str, ...]
+    voyage: Voyage  #: The voyage
+    by: tuple[str, ...]  #: Quantities of the differentiation
+    #: (times, 6, by) Derivatives of x, y [m], psi [rad], u, v [m/s] and r [rad/s] per SI unit of each quantity
     slopes: np.ndarray
-    values: Mapping[str, float]
-    model: Model
+    values: Mapping[str, float]  #: Their values in the voyage
+    model: Model  #: The ship
 
     def __repr__(self) -> str:
         return f"<Sensitivities of {self.voyage!r} by {len(self.by)} numbers>"
@@ -70,16 +56,9 @@ class Sensitivities(BaseResult):
         return self.voyage.notes
 
     def of(self, state: str, by: str) -> np.ndarray:
-        """Return one derivative, (times,).
+        """Return one derivative, (times,): of a ``state`` such as ``y``, ``by`` a quantity.
 
         Raises an InputError if it was not requested.
-
-        Parameters
-        ----------
-        state : {"x", "y", "psi", "u", "v", "r"}
-            State.
-        by : str
-            Quantity of the differentiation.
         """
         if state not in STATES or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")

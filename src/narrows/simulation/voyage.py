@@ -59,50 +59,25 @@ COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
 class Voyage(Tabulated):
     """A voyage, row by row, and its outcome.
 
-    Parameters
-    ----------
-    t : array (times,) [s]
-        Time.
-    x, y : array (times,) [m]
-        Position of midship in the canal.
-    psi : array (times,) [rad]
-        Heading.
-    u, v : array (times,) [m/s]
-        Surge and sway velocity.
-    r : array (times,) [rad/s]
-        Yaw rate.
-    rudder : array (times,) [rad]
-        Angle of the rudder.
-    outcome : Outcome
-        Outcome of the voyage.
-    configuration : Configuration
-        Ship and canal.
-    waterway : Waterway, optional
-        Waterway instead of that canal.
-    outline : sequence of pairs of float [m], optional
-        Points of the hull that meet a bank, forward and to starboard of midship.
-    moved : mapping of Actuator to array (times,), optional
-        Positions of other actuators with orders: revolutions [1/s].
-
-    Examples
-    --------
     >>> voyage = nw.simulate(model, y=0.5, u=1.0)
     >>> round(float(voyage.final.t), 2)
     11.79
     """
 
-    t: np.ndarray
-    x: np.ndarray
-    y: np.ndarray
-    psi: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    r: np.ndarray
-    rudder: np.ndarray
-    outcome: Outcome
-    configuration: Configuration
-    waterway: "Waterway | None" = None
+    t: np.ndarray  #: Time, (times,) [s]
+    x: np.ndarray  #: Position of midship along the canal [m]
+    y: np.ndarray  #: Position of midship to starboard of its line [m]
+    psi: np.ndarray  #: Heading [rad]
+    u: np.ndarray  #: Surge velocity through the water [m/s]
+    v: np.ndarray  #: Sway velocity through the water [m/s]
+    r: np.ndarray  #: Yaw rate [rad/s]
+    rudder: np.ndarray  #: Angle of the rudder [rad]
+    outcome: Outcome  #: Outcome of the voyage
+    configuration: Configuration  #: Ship and canal
+    waterway: "Waterway | None" = None  #: Waterway instead of that canal
+    #: Points of the hull that meet a bank, forward and to starboard of midship [m]
     outline: tuple[tuple[float, float], ...] = ()
+    #: Positions of other actuators with orders: revolutions [1/s]
     moved: Mapping[Actuator, np.ndarray] = field(default_factory=dict)
     __eq__ = same_content
 
@@ -152,21 +127,12 @@ class Voyage(Tabulated):
         return self.to_dataframe().iloc[-1]
 
     def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
-        """Show an animation of the ship between its banks.
+        """Show an animation of the ship between its banks, of some ``seconds``.
+
+        Write it to ``path``: a ``.gif``, or ``.html`` with buttons. In a notebook,
+        ``HTML(voyage.animate().to_jshtml())`` shows it.
 
         Raises an InputError if the suffix is another, or the file cannot be written.
-
-        Parameters
-        ----------
-        path : str or Path, optional
-            Output file: ``.gif``, or ``.html`` with buttons.
-        seconds : float [s]
-            Duration of the animation.
-
-        Returns
-        -------
-        matplotlib.animation.FuncAnimation
-            In a notebook, ``HTML(voyage.animate().to_jshtml())`` shows it.
         """
         return narrows.report.animation_of(self, path, seconds)
 
@@ -174,24 +140,16 @@ class Voyage(Tabulated):
         """Return the voyage as an xarray Dataset with units."""
         import xarray
 
-        long_names = {"psi": "heading", "rudder": "rudder angle"}
-        units = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad"}
-        data = {
-            name: ("t", getattr(self, name), {"units": unit, "long_name": long_names.get(name) or MOTION[name].meaning})
-            for name, unit in units.items()
-        }
-        data |= {
-            actuator.name: ("t", column, {"units": actuator.unit, "long_name": actuator.meaning})
-            for actuator, column in self.moved.items()
-        }
+        meanings = {**MOTION, "psi": ("rad", "heading"), "rudder": ("rad", "rudder angle")}
+        columns = {name: (getattr(self, name), *meanings[name]) for name in COLUMNS[1:]}
+        columns |= {actuator.name: (column, actuator.unit, actuator.meaning) for actuator, column in self.moved.items()}
         if self.waterway is not None and self.waterway.origin is not None:
             track = self.track()
-            data |= {
-                "longitude": ("t", track.longitude, {"units": "degrees_east", "long_name": "longitude, WGS84"}),
-                "latitude": ("t", track.latitude, {"units": "degrees_north", "long_name": "latitude, WGS84"}),
-                "heading_deg": ("t", track.heading_deg, {"units": "deg", "long_name": "heading, clockwise from north"}),
-            }
+            columns["longitude"] = track.longitude, "degrees_east", "longitude, WGS84"
+            columns["latitude"] = track.latitude, "degrees_north", "latitude, WGS84"
+            columns["heading_deg"] = track.heading_deg, "deg", "heading, clockwise from north"
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
+        data = {name: ("t", column, {"units": u, "long_name": of}) for name, (column, u, of) in columns.items()}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
     def track(self) -> Track:
