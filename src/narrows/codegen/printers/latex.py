@@ -49,8 +49,8 @@ NAMED: dict[str, Callable[..., Any]] = {
 # Classes of quantities that functions of propeller and rudder take together.
 TOGETHER = {propeller: propeller.PropellerQuantities, rudder: rudder.RudderQuantities}
 DIGITS = 4
-# Letters on a line of a page with usual margins; letters of an expression that needs no name of its own; of a sign.
-LINE, WIDEST, SIGN = 62, 48, 3
+# Letters on a line of a page with usual margins, and of an expression that needs no name of its own, by ``_letters``.
+LINE, WIDEST = 57, 54
 
 
 def latex(
@@ -94,7 +94,6 @@ class Equations:
     symbols: dict[Expr, str] = field(default_factory=dict)  # Symbols as written
     meanings: dict[str, Expr] = field(default_factory=dict)  # Definitions of the symbols, in order
     used: set[Expr] = field(default_factory=set)
-    _widths: dict[Expr, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         notes, inputs, results = notes_of_terms(self.table)
@@ -126,32 +125,11 @@ class Equations:
         operation = OPERATORS.get(sign) or FUNCTIONS[sign]
         while True:
             value = operation(*(values[one] for one in operands))
-            longest = max(operands, key=lambda one: self.width(values[one]))
-            if self.width(value) <= WIDEST or values[longest].is_Atom:
+            longest = max(operands, key=lambda one: _letters(self.text(values[one])))
+            if _letters(self.text(value)) <= WIDEST or values[longest].is_Atom:
                 return value
             number = sum(written.startswith("q_") for written in self.meanings) + 1
             values[longest] = self._defined(f"q_{{{number}}}", values[longest])
-
-    def width(self, value: Expr) -> float:
-        """Return the approximate printed width of an expression [letters]."""
-        if value not in self._widths:
-            self._widths[value] = self._wide(value)
-        return self._widths[value]
-
-    def _wide(self, value: Expr) -> float:
-        if value.is_Symbol:
-            return _letters(self.symbols[value])
-        if value.is_Atom:
-            return len(str(value))
-        if value.is_Mul:
-            above = [one for one in value.args if not (one.is_Pow and one.exp.could_extract_minus_sign())]
-            below = [one for one in value.args if one not in above]
-            return float(max(sum(self.width(one) + 2 * one.is_Add for one in part) for part in (above, below)))
-        if value.is_Pow:
-            base = self.width(value.base) + (0 if value.base.is_Atom else 2)
-            return base + 0.5 * self.width(value.exp)
-        inside = sum(map(self.width, value.args))
-        return inside + (3 * (len(value.args) - 1) if value.is_Add else len(value.func.__name__) + 2)
 
     def of_forces(self, forces: Sequence[str], coefficients: Mapping[str, float] | None = None) -> list[str]:
         """Return one line per force, or more if one is too long; terms whose coefficient is zero are left out."""
@@ -164,7 +142,7 @@ class Equations:
                 lines += [f"{force} &= {first.removeprefix('+ ')}", *(rf"&\quad {other}" for other in others)]
         return lines
 
-    def _term(self, term: Any, coefficients: Mapping[str, float] | None) -> tuple[str, float]:
+    def _term(self, term: Any, coefficients: Mapping[str, float] | None) -> str:
         expression = self.regressors[term.name]
         self.used |= expression.free_symbols
         minus = expression.could_extract_minus_sign()
@@ -177,8 +155,7 @@ class Equations:
         factor = "" if factor in own and times else factor
         if value is not None and not (abs(value) == 1 and times):
             factor = _number(abs(value))
-        width = self.width(expression) + sum(_letters(part) + 1 for part in factor.split()) + SIGN
-        return f"{sign} {factor} {times}".replace("  ", " ").rstrip(), width
+        return f"{sign} {factor} {times}".replace("  ", " ").rstrip()
 
     def text(self, expression: Expr) -> str:
         """Write an expression that is a factor of a product."""
@@ -209,9 +186,7 @@ class Equations:
             if symbol(name) in self.used and value is not None and name not in MOTION:
                 unit = re.sub(r"(?<=[a-z])(\d+)", r"^{\1}", units[name].unit).replace(" ", r"\,")
                 number = "-" * (value < 0) + _number(abs(float(value)))
-                written = f"{self.symbols[symbol(name)]} = {number}"
-                width = _letters(self.symbols[symbol(name)]) + len(number) + len(unit) + 2 * SIGN
-                parts.append((written + rf"\,\mathrm{{{unit}}}" * (unit != "1"), width))
+                parts.append(f"{self.symbols[symbol(name)]} = {number}" + rf"\,\mathrm{{{unit}}}" * (unit != "1"))
         return [f"&{line}" for line in _packed(parts, r",\quad ")]
 
 
@@ -228,16 +203,13 @@ def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
     return found
 
 
-def _packed(parts: Sequence[tuple[str, float]], between: str = " ") -> list[str]:
+def _packed(parts: Sequence[str], between: str = " ") -> list[str]:
     lines: list[str] = []
-    room = 0.0
-    for text, width in parts:
-        if lines and width <= room:
-            lines[-1] += f"{between}{text}"
+    for part in parts:
+        if lines and _letters(longer := f"{lines[-1]}{between}{part}") <= LINE:
+            lines[-1] = longer
         else:
-            lines.append(text)
-            room = LINE
-        room -= width
+            lines.append(part)
     return lines
 
 
@@ -252,10 +224,9 @@ def _constant(text: str) -> Expr:
 
 
 def _letters(written: str) -> int:
-    """Return the width of a symbol [letters]; sub- and superscripts count half."""
-    body, *marks = re.split(r"[_^]", re.sub(r"\\[a-zA-Z]+", "x", written))
-    width = len(re.sub(r"[{}()]", "", body)) + 0.5 * max((len(re.sub(r"[{}]", "", mark)) for mark in marks), default=0)
-    return max(round(width), 1)
+    """Return about the width of a formula [letters]; both parts of a fraction count, which makes lines shorter."""
+    plain = re.sub(r"\\(left|right|frac|mathrm|,|quad)|[{}_^ ]", "", written)
+    return len(re.sub(r"\\[a-zA-Z]+", "x", plain)) + 2 * len(re.findall(r" [+-] ", written))
 
 
 def _number(value: float) -> str:
