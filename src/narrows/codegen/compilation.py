@@ -310,7 +310,7 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
 def check_files(module: ModuleType) -> None:
     """Keep what Numba compiles for a module in checked files; its functions compile even if the disk fails."""
     for value in vars(module).values():
-        cache = getattr(value, "_cache", None)
+        cache: Any = getattr(value, "_cache", None)
         if hasattr(cache, "_cache_file"):
             cache._cache_file.__class__ = CheckedFile
             cache.save_overload = partial(_saved, cache.save_overload)

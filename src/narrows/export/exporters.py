@@ -185,17 +185,12 @@ def ship_to_export(
 ) -> "ExportedShip":
     """Return a ship under its choices with its control law; names begin with that of the file."""
     from narrows.export.exported_ship import ExportedShip, prefix_of
-    from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.ship import SimulatedShip, steering_of
 
-    if controller is not None and not isinstance(controller, ControlLaw):
-        raise InputError(
-            f"a {type(controller).__name__} runs in Python alone; export a law in arithmetic, such as a regulator"
-        )
     if waterway is not None:
         check_along_only(waterway, "a file")
     ship = SimulatedShip(model, **choices)
-    return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators))
+    return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators, single=False))
 
 
 def check_standard(fmi: int) -> None:

@@ -103,7 +103,7 @@ def ensemble(
     check_workers(workers)
     check_waterway(waterway)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
-    steering = steering_of(controller, ship.actuators)
+    steering = steering_of(controller, ship.actuators, single=False)
     defaults = voyage_defaults(model)
     plain = grid_of(model, {"u": defaults.speed, **vary}, samples, seed)
     defaults = voyage_defaults(model, plain.values["u"])

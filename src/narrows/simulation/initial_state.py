@@ -9,19 +9,17 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
-from narrows.codegen.choices import AFTER, COUNTED, stages_at
-from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import PROPELLER, places_of
 from narrows.ship.motion import Motion
-from narrows.simulation.channel import across_of
 from narrows.simulation.controllers import Controller
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.integrator import VoyageIntegrator
+from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.settings import (
     DEFAULT_FROUDE,
     DEFAULT_LENGTHS,
@@ -56,35 +54,20 @@ def initial_state(
     ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
 ) -> tuple[VoyageIntegrator, tuple[float, ...]]:
     """Return the integrator with every input of its lines, and its initial state."""
-    values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     if waterway is not None and not 0 <= (x := numbers["x"]) < waterway.line.length:
         raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    channel = ship.channel(waterway, values)
-    law = steering.law if steering else None
-    system = ship.system(waterway is not None, law, "until" if pushed else "never", across_of(waterway))
-    inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
-    inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
+    run = KernelRun(ship, math.inf, math.inf, steering, waterway)
+    values = {**dict.fromkeys(PUSHED, 0.0), **numbers, **({PUSH_END: math.inf} if pushed else {})}
+    system = run.system(values)
+    inputs, channel = run.inputs(system, values)
     order = steering.asked if steering else None
     order = order.begin() if isinstance(order, Controller) else order
-    near = NEAR_THE_BANK * float(values["width"])
+    near = NEAR_THE_BANK * float(inputs["width"])
     integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near, order)
-    psi = numbers["psi"]
-    pose = {**numbers, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
-    state = complete_state(ship, steering, pose, numbers)
+    state = run.start(values)
     start = tuple(float(state[name]) for name in system.choices.kept)
     _check_start(integrator, start)
     return integrator, start
-
-
-def complete_state(
-    ship: SimulatedShip, steering: Steering | None, state: Mapping[str, Any], values: Mapping[str, Any]
-) -> dict[str, Any]:
-    """Return a state with time, actuators (at rest unless given), stages of their dead time and the law's memory."""
-    known = {**ship.values(), **values}
-    positions = {actuator.name: known.get(actuator.name) for actuator in ship.actuators}
-    whole = {"t": 0.0, **state, **{name: 0.0 if value is None else value for name, value in positions.items()}}
-    whole |= stages_at(ship.actuators, whole.__getitem__)
-    return {**whole, **(steering.memory(whole) if steering else {})}
 
 
 def _check_start(integrator: VoyageIntegrator, start: tuple[float, ...]) -> None:

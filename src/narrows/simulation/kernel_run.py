@@ -11,15 +11,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.base.errors import InputError, installing, libraries_of, needs
+from narrows.base.errors import installing, libraries_of, needs
 from narrows.codegen.cache import compiled_loops, lacks_compiler
-from narrows.codegen.choices import AFTER, CACHE_LINE, COUNTED, CURRENT_ACROSS, SHARED, Across, Pushed
+from narrows.codegen.choices import (
+    AFTER,
+    CACHE_LINE,
+    COUNTED,
+    CURRENT_ACROSS,
+    SHARED,
+    TIME,
+    Across,
+    Pushed,
+    stages_at,
+)  # fmt: skip
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.system import System
 from narrows.model.water import is_full
 from narrows.simulation.channel import Channel, WaterTable, across_of
-from narrows.simulation.initial_state import complete_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.outcome import Code
@@ -141,13 +150,6 @@ class KernelRun:
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
     bend: Channel | None = None  # Bend of constant curvature instead of either
 
-    def __post_init__(self) -> None:
-        if self.steering and self.steering.asked:
-            raise InputError(
-                f"a {type(self.steering.asked).__name__} steers single voyages; write it as a law in arithmetic (with "
-                "`parameters`, `memory` and `orders`) to steer many"
-            )
-
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
         """Run voyages; without Numba in columns of NumPy."""
         if lacks_compiler() and vessels > 1:
@@ -161,13 +163,13 @@ class KernelRun:
 
     def ended(self, prepared: PreparedRun, values: Mapping[str, Any]) -> Result:
         """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
-        system = self._system(values)
+        system = self.system(values)
         ends = dict(zip(system.choices.kept, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
         distance = ends["x"] - np.asarray(values["x"], float)
         outcome, side = prepared.codes.astype(np.int8).T
         if (outcome == event.SHALLOW).any():
-            outcome = self._inputs(system, values)[1].codes(outcome, ends["x"]).astype(np.int8)
+            outcome = self.inputs(system, values)[1].codes(outcome, ends["x"]).astype(np.int8)
             block = values.get("block_coefficient", self.ship.model.configuration.ship.block_coefficient)
             side = np.where(outcome == Code.TOUCHED, np.where(is_full(block), 1, -1), side).astype(np.int8)
         kept = {"outcome": outcome, "side": side, "time": prepared.time.copy(), "distance": distance}
@@ -179,9 +181,9 @@ class KernelRun:
         return self._laid_out(values, vessels, workers)
 
     def _laid_out(self, values: Mapping[str, Any], vessels: int, workers: int | None) -> PreparedRun:
-        system = self._system(values)
-        inputs, channel = self._inputs(system, values)
-        start, times = self._start(values), self._times(vessels)
+        system = self.system(values)
+        inputs, channel = self.inputs(system, values)
+        start, times = self.start(values), self._times(vessels)
         kernel = system.kernel(min(vessels, MOST_LANES))
         limits = np.array([CONTACT_TOLERANCE, NEAR_THE_BANK * float(np.min(inputs.get("width", 1.0)))])
 
@@ -202,7 +204,7 @@ class KernelRun:
         rest = duration - count * dt
         return np.ascontiguousarray(np.stack([dt, count, np.where(rest > 1e-9 * dt, rest, 0.0)], axis=1))
 
-    def _system(self, values: Mapping[str, Any]) -> System:
+    def system(self, values: Mapping[str, Any]) -> System:
         # External forces cost a little in each step, so they are compiled only if there are any.
         pushed: Pushed = "never"
         if PUSH_END in values:
@@ -213,7 +215,7 @@ class KernelRun:
         law = self.steering.law if self.steering else None
         return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
 
-    def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
+    def inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
         positions = {
             actuator.name: values[actuator.name] for actuator in self.ship.actuators if actuator.name in values
@@ -228,11 +230,15 @@ class KernelRun:
     def channel(self, values: Mapping[str, Any]) -> Channel:
         return self.bend or self.ship.channel(self.waterway, values)
 
-    def _start(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def start(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the state at the start: actuators at rest unless given, each order on its way equal to them."""
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
-        state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
-        return complete_state(self.ship, self.steering, state, values)
+        state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi, TIME: 0.0}
+        positions = {**self.ship.values(), **values}
+        state |= {one.name: 0.0 if (at := positions.get(one.name)) is None else at for one in self.ship.actuators}
+        state |= stages_at(self.ship.actuators, state.__getitem__)
+        return {**state, **(self.steering.memory(state) if self.steering else {})}
 
     @property
     def text(self) -> str:

@@ -61,16 +61,15 @@ class Turning(BaseResult):
         return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
 
     def summary(self) -> str:
-        measures = self.to_dict()
+        ratios = self.over_length()
         parts = (
-            f"{name.replace('_', ' ')} {measures[f'{name}_over_length']:.2f} L ({measures[name]:.4g} m)"
+            f"{name.replace('_', ' ')} {ratios[f'{name}_over_length']:.2f} L ({getattr(self, name):.4g} m)"
             for name in MEASURES
         )
         return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
 
     def to_dict(self) -> dict[str, Any]:
-        metres = {name: getattr(self, name) for name in MEASURES}
-        return {**metres, **self.over_length()}
+        return {name: getattr(self, name) for name in MEASURES} | self.over_length()
 
     def over_length(self) -> dict[str, float]:
         """Return the measures over the ship's length, and the steady speed over that of the approach [1]."""
@@ -129,17 +128,12 @@ class Trials(BaseResult):
         """Return the measures as a table: one row for each manoeuvre and measure."""
         import pandas as pd
 
-        circles = [
-            (f"turning {order}", *pair) for order, measures in self._circles().items() for pair in measures.items()
-        ]
-        zigzags = [
-            (f"zigzag {order}", f"overshoot_{number}_deg", angle)
-            for order, test in self.zigzags.items()
-            for number, angle in enumerate(test.overshoots_deg, start=1)
-        ]
-        return pd.DataFrame(circles + zigzags, columns=["manoeuvre", "measure", "value"]).set_index(
-            ["manoeuvre", "measure"]
-        )
+        measured = {f"turning {order}": measures for order, measures in self._circles().items()}
+        for order, test in self.zigzags.items():
+            numbered = enumerate(test.overshoots_deg, start=1)
+            measured[f"zigzag {order}"] = {f"overshoot_{number}_deg": angle for number, angle in numbered}
+        rows = {(manoeuvre, name): value for manoeuvre, part in measured.items() for name, value in part.items()}
+        return pd.Series(rows, name="value").rename_axis(["manoeuvre", "measure"]).to_frame()
 
     def _circles(self) -> dict[str, dict[str, float]]:
         return {order: circle.over_length() for order, circle in self.turning.items()}
@@ -303,19 +297,13 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     zigzag : Zigzag
         The zigzag's order.
     """
-    heading = np.sign(zigzag.rudder) * (voyage.psi - voyage.psi[0])
-    angles, side, row = [], 1.0, 0
-    while True:
-        over = np.flatnonzero(side * heading[row:] >= zigzag.heading)
-        if not over.size:
-            break
-        row += int(over[0])
-        back = np.flatnonzero(side * heading[row:] < zigzag.heading)
-        if not back.size:
-            break
-        angles.append(float((side * heading[row : row + int(back[0])]).max() - zigzag.heading))
-        row += int(back[0])
-        side = -side
+    turned = np.abs(voyage.psi - voyage.psi[0])
+    crossings = np.flatnonzero(np.diff(turned >= zigzag.heading)) + 1
+    # Each excursion from its order until the heading has come back; the last may be unfinished.
+    angles = tuple(
+        float(turned[begun:back].max() - zigzag.heading)
+        for begun, back in zip(crossings[::2], crossings[1::2], strict=False)
+    )
     if not angles:
         raise InputError("the voyage ends before the heading comes back once; sail on for longer")
-    return tuple(angles)
+    return angles

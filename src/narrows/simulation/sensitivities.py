@@ -157,12 +157,8 @@ class TangentIntegrator:
             model,
             **{name: rest.pop(name) for name in ("surge", "surge_inertia", "coriolis", "contact") if name in rest},
         )
-        steering, waterway = steering_of(rest.pop("controller", None), ship.actuators), rest.pop("waterway", None)
-        if steering and steering.asked:
-            raise InputError(
-                f"a {type(steering.asked).__name__} cannot be differentiated; write it as a law in arithmetic (with "
-                "`parameters`, `memory` and `orders`)"
-            )
+        steering = steering_of(rest.pop("controller", None), ship.actuators, single=False)
+        waterway = rest.pop("waterway", None)
         schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
         check_positions({name: rest[name] for name in rest if name not in {*START, *STEADY}}, ship)
         numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}

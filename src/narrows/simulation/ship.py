@@ -119,7 +119,8 @@ class Steering:
         return {MEMORY(name): value for name, value in self.controller.memory(start).items()}
 
 
-def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | None:
+def steering_of(controller: Any, actuators: Sequence[Actuated], single: bool = True) -> Steering | None:
+    """Trace a controller; an object or function of Python is one of single voyages in Python."""
     law, asked = controller, None
     if controller is None:
         return None
@@ -129,6 +130,11 @@ def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | No
             raise InputError(
                 f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) "
                 "nor `begin`, and is no function of time and state"
+            )
+        if not single:
+            raise InputError(
+                f"a {type(controller).__name__} steers single voyages; write it as a law in arithmetic (with "
+                "`parameters`, `memory` and `orders`), such as a regulator"
             )
     parameters = dict(law.parameters())
     memory = tuple(law.memory(dict.fromkeys((*STATE, *(actuator.name for actuator in actuators)), 0.0)))

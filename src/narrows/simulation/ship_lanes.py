@@ -74,7 +74,7 @@ class ShipLanes:
         own = "bank", "current", "current_across", "rudder_bias"
         self._columns_of_states = np.array([self.places.get(name, -1) for name in own])
         self._pushes = [self._inputs[name] for name in (FORCES["Y"], FORCES["N"])] if pushed else []
-        self._system = self._run._system(self._values(1.0))
+        self._system = self._run.system(self._values(1.0))
         self._ship_values: dict[str, Any] = {**DEFAULTS, **ship.values()}
         self._constants = [self._inputs.get(name) for name in self._system.scalar.CONSTANTS]
         self._base, self._slope = self._by_bank()
