@@ -341,13 +341,13 @@ class Doors:
     def legs(self, chance: random.Random) -> None:
         told: dict[str, Any] = {}
         if chance.random() < 0.2:
-            told["errors"] = nw.ReadingErrors(**given("y u rudder_deg drift_deg heading_deg", chance))
+            told["errors"] = nw.ReadingErrors(**given("y u rudder_deg drift_deg", chance))
         if chance.random() < 0.3:
             told["conditions"] = nw.SteadyConditions(**given(CONDITIONS, chance))
         kind = chance.randrange(4)
         if kind == 0:
-            asked = given("offsets speeds legs targets reserve clearance seed", chance)
-            nw.plan_steady(HELD, **{"samples": 4, **asked, **told})
+            asked = given("offsets speeds legs targets reserve clearance", chance)
+            nw.plan_steady(HELD, **asked, **told)
         elif kind == 1:
             nw.learn_steady(HELD, self._file("h.csv", bytes_of(LEGS.encode(), chance)), **told)
         else:

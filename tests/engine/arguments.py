@@ -320,7 +320,7 @@ class Table:
     def logbook(self) -> dict[str, Entry]:
         surer = replace(by_depth(), covariance=by_depth().covariance / 4)
         breeze = nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0)
-        plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2, "samples": 20}
+        plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2}
         return {
             "predict_information": Entry(
                 {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0,
@@ -347,7 +347,7 @@ class Table:
                 plan,
                 {"model": surer, "offsets": [0.4], "speeds": [0.45], "legs": 4, "targets": ("c_helm",),
                  "errors": nw.ReadingErrors(rudder_deg=2.0), "conditions": nw.SteadyConditions(wind=1.0),
-                 "reserve": 0.9, "clearance": 1.0, "samples": 30, "seed": 1},
+                 "reserve": 0.9, "clearance": 1.0},
                 answer=lambda found: found.to_dict(),
             ),
         }  # fmt: skip

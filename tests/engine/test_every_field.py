@@ -195,9 +195,9 @@ def built() -> dict[str, Built]:
             {"records": (replace(record, name="B"),), "waterway": waterway_for("paper"), "notes": ("so",)},
         ),
         "ReadingErrors": Built(
-            nw.ReadingErrors(0.05, 0.02, 0.5, 0.1, 0.1),
-            lambda errors: held(held_legs() | {"heading": [0.03, -0.01]}, errors=errors),
-            {"y": 0.1, "u": 0.1, "rudder_deg": 1.0, "drift_deg": 0.3, "heading_deg": 0.4},
+            nw.ReadingErrors(0.05, 0.02, 0.5, 0.1),
+            lambda errors: held(held_legs(), errors=errors),
+            {"y": 0.1, "u": 0.1, "rudder_deg": 1.0, "drift_deg": 0.3},
         ),
         "SignalGrade": Built(
             nw.SignalGrade(0.02, 1.0, 0.01, 5.0, 0.01),
@@ -216,9 +216,9 @@ def built() -> dict[str, Built]:
         ),
         "SteadyConditions": Built(
             nw.SteadyConditions(),
-            lambda conditions: held(held_legs() | {"heading": [0.03, -0.01]}, conditions=conditions),
+            lambda conditions: held(held_legs(), conditions=conditions),
             {"wind": 4.0, "windage": 0.5, "wind_lever": 0.1, "wind_change": 0.5, "rudder_zero_deg": 2.0,
-             "drift_zero_deg": 2.0, "heading_zero_deg": 2.0, "y_zero": 0.2, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
+             "drift_zero_deg": 2.0, "y_zero": 0.2, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
              "sway_change": 0.2, "leg_time": 5.0},
         ),
         "Tank": Built(

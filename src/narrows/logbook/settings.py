@@ -38,7 +38,6 @@ WIND_LEVER = 0.1  # Lever of the wind's force over the length [1]
 # Steady legs
 PLAN_SAMPLES = 400  # Samples of coefficients for which the reserve of rudder is checked
 MOST_LEGS = 1000  # Most legs of a plan
-MOST_PLAN_SAMPLES = 100_000  # Most samples of a plan
 SLOWEST_LEG = 0.35  # Slowest default speed over the speed that chokes the canal [1]
 FASTEST_LEG = 0.7  # Fastest default speed over the speed that chokes the canal [1]
 LEG_SPEEDS = 3  # Number of default speeds

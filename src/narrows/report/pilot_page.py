@@ -141,7 +141,6 @@ def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
         said=[line for line in fit.summary().splitlines() if line != ON_TWINS],
         learned=learned_rows(fit.coefficients),
         figure=figure(steady_figure(fit), caption),
-        direction=fit.readings.directions[0],
         legs=found["legs"],
         shared=[row | {"words": SHARED[row["name"]][0]} for row in found["shared"]],
         notes=fit.notes,

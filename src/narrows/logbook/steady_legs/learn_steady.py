@@ -54,7 +54,7 @@ class SteadyFit(LearnedAnswer):
         The legs, and assumptions on wind, zeros and remaining motion.
     shared : mapping of str to (float, float)
         Common errors of all legs, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
-        ``heading_zero``, ``y_zero``; most likely value and standard error.
+        ``y_zero``; most likely value and standard error.
     latent : array (legs, 4)
         Most likely state of the ship: y [m], u [m/s], rudder, psi [rad].
     chi_square, freedom, probability : float [1], int, float [1]
@@ -111,7 +111,7 @@ class SteadyFit(LearnedAnswer):
         y, _, rudder, heading = self.latent.T
         columns = {
             "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
-            "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
+            "direction_deg": np.degrees(read["drift"]), "likely_y": y,
             "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
             "probability": list(self.leg_probabilities.values()),
         }  # fmt: skip
@@ -151,7 +151,7 @@ def learn_steady(
     model : Model
         Model of the ship at its own size in the canal of the legs, with a rudder and a covariance.
     observations : DataFrame, mapping of str to array, str or Path
-        A row a leg: y [m], u [m/s], rudder, drift or heading, and their errors ``y_error`` and so on where they are
+        A row a leg: y [m], u [m/s], rudder, drift (or heading), and their errors ``y_error`` and so on where they are
         known; SI and radians unless a header has a unit (``rudder [deg]``).
     errors, conditions : ReadingErrors, SteadyConditions, optional
         Errors that the rows lack; sizes of wind and zeros, and the remaining motion on a leg.
@@ -180,7 +180,7 @@ def learn_steady(
     return SteadyFit(after, model, learned, readings, conditions, shared, found.latent, *checks)
 
 
-TURNED = ("rudder", "drift", "heading")  # Readings that are often written with the other sign
+TURNED = ("rudder", "drift")  # Readings that are often written with the other sign
 
 
 def _findings(problem: "LegProblem", found: "LegFit", worst: str, probability: float) -> Iterator[str]:
@@ -197,14 +197,13 @@ def _findings(problem: "LegProblem", found: "LegFit", worst: str, probability: f
             "instrument."
         )
     for name in TURNED if squares > WRONG_SIGN_GAIN else ():  # Else there is nothing to be won.
-        if name in read:
-            turned = replace(problem.readings, values={**read, name: -read[name]})
-            other = replace(problem, readings=turned).fit().chi_square
-            if squares - other > WRONG_SIGN_GAIN:
-                yield (
-                    f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is "
-                    "it positive where it turns the bow to starboard, or where the bow is to starboard?"
-                )
+        turned = replace(problem.readings, values={**read, name: -read[name]})
+        other = replace(problem, readings=turned).fit().chi_square
+        if squares - other > WRONG_SIGN_GAIN:
+            yield (
+                f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it "
+                "positive where it turns the bow to starboard, or where the bow is to starboard?"
+            )
     if not found.converged:
         yield "The search for the true states of the legs did not converge; give smaller errors of y and u."
     asked, covered = {"speed": read["u"], "abs_y": np.abs(read["y"])}, problem.model.data_range
@@ -213,12 +212,10 @@ def _findings(problem: "LegProblem", found: "LegFit", worst: str, probability: f
 
 
 LEFT = ("r", "vdot", "rdot")  # Motion that is left on a leg, as if each were read as 0
-LATENT = ("y", "u", "rudder", "psi")  # True state of a leg, of which its readings are readings
-READ = slice(len(LEFT), len(LEFT) + len(LATENT))
+LATENT = ("y", "u", "rudder", "drift")  # True state of a leg, as it is read
 # Steps of the central differences [rad/s, m/s2, rad/s2, m, m/s, rad, rad]: regressors are smooth over them.
 STEP = 1e-7
 BALANCED = ("Y", "N")  # Forces in balance on a steady leg
-FORCES = slice(len(BALANCED))
 
 
 class LegFit(NamedTuple):
@@ -253,10 +250,8 @@ class LegProblem(Unknowns):
 
     @cached_property
     def _read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``LEFT``, and ``LATENT`` as read, the direction as often as it is read; their standard deviations, both
-        (legs, 7 or 8); 1 where one of ``UNKNOWN`` adds to a reading, (7 or 8, 6).
-        """
-        names, legs = (*LEFT, "y", "u", "rudder", *self.readings.directions), len(self.readings)
+        """Return readings (legs, 7), their standard deviations, and 1 where one of ``UNKNOWN`` adds to one, (7, 5)."""
+        names, legs = (*LEFT, *LATENT), len(self.readings)
         left = dict(zip(LEFT, left_over(self.conditions, self.model)[2:], strict=True))
         value = [self.readings.values.get(name, np.zeros(legs)) for name in names]
         size = [self.readings.errors[name] if name not in left else np.full(legs, left[name]) for name in names]
@@ -265,7 +260,7 @@ class LegProblem(Unknowns):
 
     def fit(self) -> LegFit:
         (read, size, zeros), unknowns, converged = self._read, np.zeros(len(self.precision)), False
-        latent = read[:, READ]
+        latent = read[:, len(LEFT) :]
         for _ in range(UPDATE_ROUNDS):
             value, design, through = self._linear(latent, unknowns)
             score = np.einsum("lqi,lq->i", design, value - design @ unknowns)
@@ -275,7 +270,7 @@ class LegProblem(Unknowns):
             rest = value - design @ unknowns
             # The readings less zeros and their share of the rest of the balance
             errors = zeros @ (self.common * unknowns[self.count :]) - size**2 * np.einsum("lqi,lq->li", through, rest)
-            nearer = (read - errors)[:, READ]
+            nearer = (read - errors)[:, len(LEFT) :]
             near = np.allclose(nearer, latent, rtol=UPDATE_SETTLED, atol=UPDATE_SETTLED)
             latent, converged = nearer, bool(near and (np.abs(step) <= UPDATE_SETTLED).all())
             if converged:
@@ -288,32 +283,24 @@ class LegProblem(Unknowns):
 
     def informations(self) -> np.ndarray:
         """Return the information of each leg that is read exactly as here, (legs, P, P)."""
-        design = self._linear(self._read[0][:, READ], np.zeros(len(self.precision)))[1]
+        design = self._linear(self._read[0][:, len(LEFT) :], np.zeros(len(self.precision)))[1]
         return np.asarray(design.swapaxes(1, 2) @ design)
 
     def _linear(self, latent: np.ndarray, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return balances (legs, q) about states with independent errors of size one, and their slopes by unknowns
-        (legs, q, P) and readings: value = design @ unknowns + error.
+        """Return balances (legs, 2) about states with independent errors of size one, and their slopes by unknowns
+        (legs, 2, P) and readings: value = design @ unknowns + error.
         """
         (read, size, zeros), legs = self._read, len(latent)
         mean = np.array([self.model.coefficients[name] for name in self.model.terms.names])
         by_scaled = self.prior.members * self.prior.scale
         state = np.append(np.zeros((legs, len(LEFT))), latent, axis=1)
-        slopes = self._slopes(state, mean + by_scaled @ unknowns[: self.count])
-        columns, again = self._columns(state), read.shape[1] - state.shape[1]
-        through = np.zeros((legs, len(BALANCED) + again, read.shape[1]))
-        through[:, FORCES, : state.shape[1]] = slopes
-        through[:, len(BALANCED) :, -2:] = -1.0, 1.0  # Two readings of the direction are equal.
+        through, columns = self._slopes(state, mean + by_scaled @ unknowns[: self.count]), self._columns(state)
         common = -through @ zeros
-        common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Slopes by the wind
-        design = np.zeros((*through.shape[:2], len(unknowns)))
-        design[:, FORCES, : self.count] = columns @ by_scaled
-        design[:, :, self.count :] = common * self.common
+        common[:, :, : len(BALANCED)] += np.eye(len(BALANCED))  # Slopes by the wind
+        design = np.concatenate([columns @ by_scaled, common * self.common], axis=2)
         covariance = np.einsum("lqi,li,lri->lqr", through, size**2, through)
-        covariance[:, FORCES, FORCES] += np.diag(left_over(self.conditions, self.model)[:2] ** 2)
-        off = read - np.append(state, latent[:, -1:].repeat(again, axis=1), axis=1)
-        value = -np.einsum("lqi,li->lq", through, off)
-        value[:, FORCES] -= columns @ mean
+        covariance += np.diag(left_over(self.conditions, self.model)[: len(BALANCED)] ** 2)
+        value = -np.einsum("lqi,li->lq", through, read - state) - columns @ mean
         try:
             root = np.linalg.cholesky(covariance)
         except np.linalg.LinAlgError:

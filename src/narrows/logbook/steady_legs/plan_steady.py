@@ -128,7 +128,7 @@ def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
-    reserve: float = RESERVE, clearance: float | None = None, samples: int = settings.PLAN_SAMPLES, seed: int = 0,
+    reserve: float = RESERVE, clearance: float | None = None,
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
@@ -153,15 +153,12 @@ def plan_steady(
         Errors of the readings; wind, zeros, and what is left of motion.
     reserve, clearance : float [1], [m], optional
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
-    samples, seed : int
-        Number and seed of the samples of the coefficients.
     """
     check_rudder(model)
     check_covariance(model)
     names, conditions, errors = learnable(model, targets), conditions or SteadyConditions(), errors or ReadingErrors()
     side = model.configuration.ship.beam / 2 if clearance is None else clearance
     check_count("legs", legs, 2, settings.MOST_LEGS)
-    check_count("samples", samples, 1, settings.MOST_PLAN_SAMPLES)
     if legs % 2:
         raise InputError(f"legs = {legs}: give an even number, for wind and zeros cancel over both sides")
     if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(side) and side >= 0):
@@ -171,7 +168,7 @@ def plan_steady(
     beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
-    found = candidates(model, beside, ahead, reserve, side, samples, seed)
+    found = candidates(model, beside, ahead, reserve, side)
     allowed = [place for place in found if place.allowed]
     problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, errors))
     size = len(problem.precision)
@@ -268,7 +265,6 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     return best
 
 
-NICE = (1.0, 2.0, 2.5, 5.0, 10.0)  # Number of offsets to either side, about, and their steps times a power of ten
 QUANTILES = (0.05, 0.5, 0.95)  # Quantiles of the samples that are given for rudder and drift [1]
 
 
@@ -277,8 +273,7 @@ def usual_offsets(model: Model, clearance: float) -> np.ndarray:
     room = (model.configuration.canal.width - model.configuration.ship.beam) / 2 - clearance
     if room <= 0:
         raise InputError(f"a clearance of {clearance:g} m leaves no offset in this canal; give less")
-    power = 10.0 ** math.floor(math.log10(room / settings.OFFSET_STEPS))
-    step = next(nice * power for nice in NICE if nice * power >= room / settings.OFFSET_STEPS)
+    step = float(f"{room / settings.OFFSET_STEPS:.0e}")
     return np.asarray(step * np.arange(1, math.floor(room / step) + 1))
 
 
@@ -298,14 +293,12 @@ def usual_speeds(model: Model) -> np.ndarray:
     return np.unique(np.floor(speeds / digit + 0.5) * digit) * KNOT
 
 
-def candidates(
-    model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float, samples: int, seed: int
-) -> list[Place]:
+def candidates(model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float) -> list[Place]:
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
     mean = steady_course(model, **steady)
-    drawn = steady_course(model, samples=samples, seed=seed, **steady).transpose("place", "sample")
+    drawn = steady_course(model, samples=settings.PLAN_SAMPLES, **steady).transpose("place", "sample")
     rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
     gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
     turned = ship.length / 2 * np.abs(np.sin(mean["psi"].to_numpy()))

@@ -1,6 +1,7 @@
 """Readings of steady legs: one row for each leg, from a file, a DataFrame or a mapping, with their errors."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,15 +22,14 @@ READ = {
     "y": Quantity("m", "midship to starboard of the middle of the canal"),
     "u": Quantity("m/s", "surge velocity through the water"),
     "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
-    "drift": Quantity("rad", "heading less course over ground, positive where the bow is to starboard of the course"),
-    "heading": Quantity("rad", "heading to the canal's direction, clockwise seen from above"),
+    "drift": Quantity("rad", "heading less course over ground, or than the canal's direction, positive to starboard"),
 }
 # Values of a leg that may be given too.
 GIVEN = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
     "revolutions": Quantity("1/s", "of the propeller, for terms that need it"),
 }
-LABEL = "leg"
+LABEL, HEADING = "leg", "heading"  # A heading to the canal's direction is a drift
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
 COLUMNS = {**READ, **GIVEN, **ERRORS}
 
@@ -40,11 +40,11 @@ class ReadingErrors(BaseSummary):
 
     They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
 
-    Raises an InputError where one is negative or not finite, or that of the rudder, the drift or the heading is 0.
+    Raises an InputError where one is negative or not finite, or that of the rudder or the drift is 0.
 
     Parameters
     ----------
-    y, u, rudder_deg, drift_deg, heading_deg : float [m], [m/s], [deg]
+    y, u, rudder_deg, drift_deg : float [m], [m/s], [deg]
         Errors of the offset, of the speed through the water, and of the angles.
 
     Examples
@@ -57,15 +57,14 @@ class ReadingErrors(BaseSummary):
     u: float = 0.1
     rudder_deg: float = 1.0
     drift_deg: float = 0.2
-    heading_deg: float = 0.2
 
     def __post_init__(self) -> None:
-        check_sizes(self, over=("rudder_deg", "drift_deg", "heading_deg"))
+        check_sizes(self, over=("rudder_deg", "drift_deg"))
 
     def summary(self) -> str:
         return (
             f"offset to {self.y:g} m, speed to {self.u:g} m/s, rudder to {self.rudder_deg:g} deg, drift to "
-            f"{self.drift_deg:g} deg, heading to {self.heading_deg:g} deg (standard deviations of a leg's mean)"
+            f"{self.drift_deg:g} deg (standard deviations of a leg's mean)"
         )
 
 
@@ -82,8 +81,8 @@ class SteadyReadings(BaseSummary):
     legs : tuple of str
         Their names.
     values, errors : mapping of str to array (legs,)
-        ``y``, ``u``, ``rudder``, ``drift`` or ``heading`` or both, with their standard deviations; ``heave`` and
-        ``revolutions`` where they were read.
+        ``y``, ``u``, ``rudder`` and ``drift`` with their standard deviations; ``heave`` and ``revolutions`` where they
+        were read.
     source, sha256 : str
         The file, or what it was; hash of the rows.
     """
@@ -96,11 +95,6 @@ class SteadyReadings(BaseSummary):
 
     def __len__(self) -> int:
         return len(self.legs)
-
-    @property
-    def directions(self) -> tuple[str, ...]:
-        """Readings of the direction of the ship: ``drift``, ``heading`` or both."""
-        return tuple(name for name in ("drift", "heading") if name in self.values)
 
     def summary(self) -> str:
         y, u = self.values["y"], self.values["u"]
@@ -120,20 +114,15 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     source = Path(table).name if is_file else name_of(table)
     if frame.empty:
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
-    headers, known = [str(header) for header in frame.columns], recognised_in(frame, COLUMNS, source)
+    frame = frame.rename(columns=lambda header: re.sub(f"^{HEADING}(?=\\W|_|$)", "drift", str(header)))
+    headers, known = list(frame.columns), recognised_in(frame, COLUMNS, source)
     check_once(known, headers, COLUMNS, source)
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
-    for name in ("y", "u", "rudder"):
+    for name in READ:
         if name not in columns:
             raise InputError(f"{source}: there is no column {name!r}{did_you_mean(name, headers)}")
-    if not {"drift", "heading"} & set(columns):
-        raise InputError(f"{source}: there is no column 'drift' or 'heading'; give one of them, as in 'drift [deg]'")
     own = errors or ReadingErrors()
-    stated = {
-        name: columns.get(f"{name}_error", np.full(len(frame), reading_error(own, name)))
-        for name in READ
-        if name in columns
-    }
+    stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(own, name))) for name in READ}
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
     _check(readings := SteadyReadings(tuple(map(str, names)), values, stated, source, sha256_of_frame(frame)))
@@ -145,7 +134,7 @@ def _check(readings: SteadyReadings) -> None:
         least = "over 0" if READ[name].unit == "rad" else "from 0"
         if not (np.isfinite(column) & (column > 0 if least == "over 0" else column >= 0)).all():
             raise InputError(f"{readings.source}: {name}_error is a finite number {least} on every leg; mend it")
-    for name in ("rudder", *readings.directions):
+    for name in ("rudder", "drift"):
         if (large := np.abs(readings.values[name]) > MOST_ANGLE).any():
             place = int(np.argmax(large))
             raise InputError(
@@ -160,7 +149,7 @@ def _check(readings: SteadyReadings) -> None:
 SHARED = {
     "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
     "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
-    "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
+    "y_zero": ("zero of the offset", "m", 1.0),
 }  # fmt: skip
 UNKNOWN = tuple(SHARED)
 
@@ -202,7 +191,7 @@ class SteadyConditions(BeamWind):
         the length, and a tenth of the length.
     wind_change : float [1]
         Change of force and moment of the wind, from leg to leg.
-    rudder_zero_deg, drift_zero_deg, heading_zero_deg : float [deg]
+    rudder_zero_deg, drift_zero_deg : float [deg]
         Zero errors of the readings, the same on every leg.
     y_zero : float [m], optional
         Zero error of the offset, from the places of banks and antenna; a thirtieth of the beam unless given.
@@ -220,7 +209,6 @@ class SteadyConditions(BeamWind):
     wind_change: float = 0.2
     rudder_zero_deg: float = 1.0
     drift_zero_deg: float = 1.0
-    heading_zero_deg: float = 1.0
     y_zero: float | None = None
     yaw_rate_deg: float = 0.005
     yaw_change_deg: float = 0.01
@@ -231,14 +219,14 @@ class SteadyConditions(BeamWind):
         aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"
         return (
             f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "
-            f"of rudder {self.rudder_zero_deg:g}, drift {self.drift_zero_deg:g} and heading {self.heading_zero_deg:g} "
-            f"deg, of the offset {aside}; turning at {self.yaw_rate_deg:g} deg/s (standard deviations)"
+            f"of rudder {self.rudder_zero_deg:g} and drift {self.drift_zero_deg:g} deg, of the offset {aside}; turning "
+            f"at {self.yaw_rate_deg:g} deg/s (standard deviations)"
         )
 
 
 def shared_errors(conditions: SteadyConditions, model: Model) -> np.ndarray:
-    """Return the standard deviations of ``UNKNOWN``, (6,) [N, N m, rad, rad, rad, m]."""
-    zeros = (conditions.rudder_zero_deg, conditions.drift_zero_deg, conditions.heading_zero_deg)
+    """Return the standard deviations of ``UNKNOWN``, (5,) [N, N m, rad, rad, m]."""
+    zeros = (conditions.rudder_zero_deg, conditions.drift_zero_deg)
     aside = MISPLACED * model.configuration.ship.beam if conditions.y_zero is None else conditions.y_zero
     return np.array([*steady_push(conditions, model), *np.radians(zeros), aside], float)
 
