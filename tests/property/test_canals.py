@@ -222,7 +222,7 @@ class TestChart:
 def test_a_current_without_a_waterway_is_refused(cli) -> None:
     code, _, error = cli("simulate", "mikkelsen2025_dtc", "--current", 0.5)
     assert code == 2
-    assert "add --waterway" in error
+    assert "--current goes with --waterway; add it" in error
 
 
 @pytest.mark.parametrize(

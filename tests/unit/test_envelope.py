@@ -505,7 +505,7 @@ class TestCommand:
         ("words", "error"),
         [
             (("mikkelsen2025_dtc",), "no terms of a rudder"),
-            (("mikkelsen2025_dtc", "--wind", "20"), "needs both --wind and --windage"),
+            (("mikkelsen2025_dtc", "--wind", "20"), "--wind goes with --windage; add it"),
             (("mikkelsen2025_dtc", "--rudder-of", "mikkelsen2025_dtc"), "the lender has no a_helm"),
         ],
     )

@@ -84,14 +84,14 @@ def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["{ship}"], "logs after the model"), (["{ship}", "{log}", "--demo"], "exactly one of"),
+        (["{ship}"], "one of [LOG]..., --steady"), (["{ship}", "{log}", "--demo"], "exactly one of"),
         (["--demo", "--steady", "x.csv"], "exactly one of"), (["{ship}", "{gone}"], "no such file"),
         (["{ship}", "{log}"], "--spread 0.1"), (["{ship}", "{log}", "{log}"], "is given twice"),
         (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w", "--unchecked"], "did you mean"),
         (["{ship}", "{log}", "--spread", "0.1", "--sensors", "gps"], "rtk or vdr or ais or basin"),
         (["{ship}", "{log}", "--waterway", "{gone}"], "gone.csv"), (["{ship}", "{empty}"], "has no signal of a ship"),
         (["{ship}", "{silent}", "--spread", "0.1"], "has no rudder angle"),
-        (["{ship}", "--predict-information", "vdr", "-o", "new.toml"], "nothing is learned yet"),
+        (["{ship}", "--predict-information", "vdr", "-o", "new.toml"], "--output goes with"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_one_line_and_exit_2(cli, folder: Path, words: list[str], says: str) -> None:

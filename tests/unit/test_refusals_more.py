@@ -92,7 +92,10 @@ def test_a_covariance_must_be_one(tmp_path) -> None:
     ("words", "said"),
     [
         (("map", "mikkelsen2025_dtc", "--samples", "20", "--within", "-10"), "no distance"),
-        (("scale", "mikkelsen2025_dtc", "--length", "355", "--wetted-surface", "3"), "serve --form-factor"),
+        (
+            ("scale", "mikkelsen2025_dtc", "--length", "355", "--wetted-surface", "3"),
+            "--wetted-surface goes with --form-factor",
+        ),
         (("scale", "mikkelsen2025_dtc", "--length", "355", "--width", "0"), "must be positive"),
     ],
 )

@@ -146,15 +146,15 @@ def test_sigterm_ends_a_watch_as_ctrl_c_does() -> None:
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        ((), "give --listen with an address, --replay or --score with a recording, or --demo; one of them"),
-        (("--demo", "a.toml"), "--demo has a ship and a canal of its own"),
-        (("--replay", "a.nmea"), "give MODEL and --waterway"),
+        ((), "give exactly one of --listen, --replay, --score, --demo"),
+        (("--demo", "a.toml"), "give exactly one of [MODEL], --demo"),
+        (("--replay", "a.nmea"), "give exactly one of [MODEL], --demo"),
         (("--demo", "--pace", "0"), "--pace 0 is no pace"),
-        (("--demo", "--port", "9"), "--host and --port are those of the page; give --page too"),
+        (("--demo", "--port", "9"), "--port goes with --page; add it"),
         (("--demo", "--send", "ws://"), "write it as in ws://192.168.1.20:3000"),
         (
             ("a.toml", "--replay", "a", "--waterway", "b", "--recording", "c.nmea"),
-            "--recording writes the messages of --demo",
+            "--recording goes with --demo",
         ),
     ],
 )

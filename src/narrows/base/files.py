@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-# Target of ``/dev/stdout`` and the like: a file that this process has open already.
-DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -32,11 +30,10 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         if is_stream(path):
-            number = _descriptor(path)
-            if number is not None and sys.stdout is not None:
+            if sys.stdout is not None:
                 sys.stdout.flush()  # Earlier output comes first
-            # If reopened, a descriptor's file would be overwritten from its beginning; a device is never created.
-            with open(os.open(path, os.O_WRONLY) if number is None else os.dup(number), "wb") as file:
+            # If reopened, a redirected output would be overwritten from its beginning; a device is never created.
+            with open(os.dup(1) if _is_output(path) else os.open(path, os.O_WRONLY), "wb") as file:
                 file.write(data)
         else:
             _replace(Path(os.path.realpath(path)), data)
@@ -47,12 +44,18 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 def is_stream(path: str | Path) -> bool:
     """Return whether a path is a stream: a device, a FIFO or ``/dev/stdout``."""
     try:
-        if _descriptor(path) is not None:
-            return True
         kind = os.stat(path).st_mode
     except (OSError, ValueError):
         return False
-    return not (stat.S_ISREG(kind) or stat.S_ISDIR(kind))
+    return not (stat.S_ISREG(kind) or stat.S_ISDIR(kind)) or _is_output(path)
+
+
+def _is_output(path: str | Path) -> bool:
+    """Return whether a path leads to the standard output, which may be a file of the shell."""
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(1))
+    except OSError:
+        return False
 
 
 @contextmanager
@@ -136,18 +139,6 @@ def picture_of(figure: "Figure", suffix: str) -> bytes:
 
 def save_figure(figure: "Figure", path: str | Path) -> None:
     write_whole(path, picture_of(figure, form_of(path, PICTURES)))
-
-
-def _descriptor(path: str | Path) -> int | None:
-    """Number of the open file behind a path."""
-    target = os.path.abspath(path)
-    for _ in range(40):  # As many links as Linux follows
-        if match := DESCRIPTOR.fullmatch(target.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
-            return int(match[1])
-        if not os.path.islink(target):
-            return None
-        target = os.path.normpath(os.path.join(os.path.dirname(target), os.readlink(target)))
-    return None
 
 
 def _replace(path: Path, data: bytes) -> None:

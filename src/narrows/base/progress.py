@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import IO, Any
 
@@ -65,21 +65,6 @@ def stage(what: str) -> Iterator[None]:
     """Show the current stage, if there is a listener."""
     with _task(what, None) if LISTENERS else nullcontext():
         yield
-
-
-def counted(path: Path, rows: int) -> AbstractContextManager[Callable[[int], None]]:
-    """Show how many rows of a file were read, if it is large and there is a listener."""
-    return bar(rows, _is_long(path), f"reading {path.name}")
-
-
-def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
-    """Show the current stage of a file, if it is large and there is a listener."""
-    return stage(f"{what} {path.name}") if path and _is_long(path) else nullcontext()
-
-
-def _is_long(path: Path) -> bool:
-    """Return whether a file takes long to read and there is a listener."""
-    return bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE_FILE
 
 
 @contextmanager

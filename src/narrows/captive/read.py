@@ -15,7 +15,7 @@ import pandas as pd
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, path_of
-from narrows.base.progress import file_stage
+from narrows.base.progress import stage
 from narrows.captive import tests
 from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_accelerations
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
@@ -74,7 +74,7 @@ def read_captive(
     path = Path(table) if isinstance(table, str | os.PathLike) else None
     name = str(path) if path else name_of(table)
     sheet = read_frame(path) if path else as_sheet(table)
-    with file_stage("checking", path):
+    with stage("checking the table"):
         frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):
             raise InputError(

@@ -19,7 +19,6 @@ GROUPS = {
     "On board": ("envelope", "learn", "monitor"),
     "Other programs": ("export",),
 }
-SHELLS = ("bash", "zsh", "fish")
 
 
 class Verbs(click.Group):
@@ -64,16 +63,6 @@ def _option_here(word: str, command: click.Command) -> str:
     return f"{same.pop()}{equals}{value}" if name not in known and name[:2] == "--" and len(same) == 1 else word
 
 
-def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> None:
-    if shell is None or context.resilient_parsing:
-        return
-    from click.shell_completion import get_completion_class
-
-    if completion := get_completion_class(shell):
-        click.echo(completion(app, {}, "narrows", "_NARROWS_COMPLETE").source())
-    context.exit()
-
-
 @click.group(
     "narrows",
     cls=Verbs,
@@ -83,10 +72,6 @@ def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> 
     "the traceback of an error.",
 )
 @click.version_option(package_name="narrows", message="narrows %(version)s")
-@click.option(
-    "--completion", type=click.Choice(SHELLS), expose_value=False, is_eager=True, callback=_complete,
-    help='Print completion for a shell: eval "$(narrows --completion bash)" in its start-up file.',
-)  # fmt: skip
 @click.pass_context
 def app(context: click.Context) -> None:
     """Turn captive model tests into a closed-form bank-effect model, with the range in which to trust it."""
@@ -115,11 +100,9 @@ def main() -> NoReturn:
 
 def _run(arguments: list[str]) -> int:
     shows_notes = sys.stderr.isatty() and "--json" not in arguments
-    if "_NARROWS_COMPLETE" in os.environ:
-        app(arguments, prog_name="narrows", complete_var="_NARROWS_COMPLETE")
     try:
         with listening(lambda sentence: click.echo(sentence, err=True), shows_notes):
-            code = app(arguments, standalone_mode=False)
+            code = app(arguments, "narrows", standalone_mode=False)
     except SystemExit as left:
         code = left.code
     return code if isinstance(code, int) else 0

@@ -37,14 +37,6 @@ class SectionOptions:
     current: CurrentText = None
     level: Annotated[float, "Water level above that of the depths [m]."] = 0.0
 
-    def check(self) -> None:
-        if self.waterway is None and (self.at or self.level or self.current is not None or self.along is not None):
-            raise InputError("--at, --along, --current and --level are a waterway's; add --waterway, or leave them out")
-        if self.at and self.along is not None:
-            raise InputError("--at is one place and --along are several; leave one out")
-        if self.waterway is not None and not (self.width is None and self.depth is None):
-            raise InputError("--width and --depth are those of a canal, and --waterway has its own; leave one out")
-
     def read(self) -> "nw.Waterway":
         assert self.waterway is not None
         return nw.read_waterway(self.waterway).with_water(self.current, self.level)
@@ -83,8 +75,6 @@ class WeatherOptions:
     gust_time: Annotated[float, "Duration of the gust [s]."] = 60.0
 
     def disturbance(self) -> "nw.Disturbance":
-        if bool(self.wind) != bool(self.windage):
-            raise InputError("wind needs both --wind and --windage; give both, or neither")
         if not 1 <= self.gusts < 10:
             raise InputError(f"--gusts {self.gusts:g}: a gust is as fast as the wind or faster; give 1 to 10")
         steady = nw.wind_force(self.wind, self.windage)
@@ -107,7 +97,11 @@ class CaseOptions:
 DEMO_SHIP = "estimated_kcs"
 
 
-@verb("narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc")
+@verb(
+    "narrows envelope full.toml --speed 4kn:12kn:17 --plot chart.png -o envelope.nc",
+    needs={"at along current level": "waterway", "wind": "windage", "windage": "wind"}, one=("model demo",),
+    apart=("at along", "width waterway", "depth waterway"),
+)  # fmt: skip
 def envelope(
     grid: GridOptions,
     section: SectionOptions,
@@ -129,9 +123,6 @@ def envelope(
     from narrows.report.envelope_chart import envelope_chart, print_envelope
     from narrows.safety.result import noting
 
-    section.check()
-    if (model is None) != demo:
-        raise InputError("give a model file or the name of a ship (narrows ships lists them), or --demo for an example")
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {

@@ -37,7 +37,7 @@ class FittingOptions:
     pool: Annotated[str | None, "'depth': separate hull coefficients at each depth, one bank."] = None
 
 
-@cli.verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
+@cli.verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html", apart=("stream report",))
 def identify(
     table: cli.Table,
     ship: cli.ShipFile,
@@ -50,8 +50,6 @@ def identify(
 
     A table that holds several conditions (water depths) gives one model each.
     """
-    if stream and delivery.report:
-        raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     read, mapping = nw.stream_captive if stream else nw.read_captive, selection.mapping_of(table)
     try:
         tests = read(table, ship, selection.where, mapping=mapping)
@@ -217,7 +215,9 @@ class AimOptions:
     criterion: Annotated[str, "'c': sum of the variances; 'd': determinant."] = "c"
 
 
-@cli.verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
+@cli.verb(
+    "narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv", needs={"where mapping condition": "after"}
+)
 def plan(
     ship: Annotated[Path, cli.Argument(help=cli.SHIP_FILE)],
     runs: RunOptions,
@@ -241,8 +241,6 @@ def _made(after: Path | None, ship: Path, selection: cli.SelectionOptions, terms
     from narrows.identification.fitting import the_condition
 
     if after is None:
-        if selection != cli.SelectionOptions():
-            raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
         return None
     read = nw.read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))
     return the_condition(read, selection.condition)

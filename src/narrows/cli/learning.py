@@ -58,7 +58,11 @@ class InformationOptions:
     waterway: cli.WaterwayFile = None
 
 
-@cli.verb("narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html")
+@cli.verb(
+    "narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html",
+    needs={"waterway": "logs predict_information", "output report": "logs steady demo"},
+    one=("logs steady plan_steady predict_information demo", "model demo"),
+)
 def learn(
     logged: LogOptions,
     legs: LegOptions,
@@ -74,7 +78,6 @@ def learn(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
-    _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:
         from narrows.logbook.sensor_grades import sensor_grade
         from narrows.logbook.transits.transit_twins import demonstrated_log
@@ -92,24 +95,6 @@ def learn(
     else:
         found = _predict_information(ship, ahead, speed, delivery.json)
     raise SystemExit(int(not found))
-
-
-def _check(
-    model: str | None, logs: list[Path] | None, logged: LogOptions, legs: LegOptions, ahead: InformationOptions,
-    delivery: cli.ModelDelivery,
-) -> None:  # fmt: skip
-    asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.predict_information)
-    if sum(one is not None for one in asked) != 1:
-        raise InputError(
-            "give exactly one of: logs after the model, --steady with a table of legs, --plan-steady, "
-            "--predict-information, --demo"
-        )
-    if (model is None) != logged.demo:
-        raise InputError("give a model file first; --demo alone has its own")
-    if ahead.waterway is not None and not (logs or ahead.predict_information):
-        raise InputError("--waterway is for logs and --predict-information; steady legs use the canal of the model")
-    if not (logs or logged.demo or legs.steady) and (delivery.output or delivery.report):
-        raise InputError("nothing is learned yet: leave --output and --report out, or give a log or --steady")
 
 
 def _learn(

@@ -9,7 +9,7 @@ import click
 import narrows as nw
 from narrows.base.errors import InputError
 from narrows.cli.options import Argument, AsJson, Delivery, ModelFile, Option, PlainModelDelivery, Speed, verb
-from narrows.cli.voyages import HelmOptions, PhysicsOptions, WaterOptions
+from narrows.cli.voyages import OF_WATERWAY, HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export.exporters import EXPORTERS
 
@@ -20,7 +20,10 @@ WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 MODEL_TO_SHOW = "Model to show: a model file, or the name of a published model."
 
 
-@verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
+@verb(
+    "narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml",
+    needs={"wetted_surface at_speed": "form_factor", "form_factor": "wetted_surface"},
+)
 def scale(
     model: ModelFile,
     length: Annotated[float, "Length between perpendiculars of the new ship [m]."],
@@ -40,20 +43,14 @@ def scale(
     """
     from narrows.report.printed_tables import print_scaled
 
-    friction = None
-    if form_factor is None and not (wetted_surface is None and at_speed is None):
-        raise InputError("--wetted-surface and --at-speed serve --form-factor; add it, or leave them out")
-    if form_factor is not None:
-        if wetted_surface is None or at_speed is None:
-            raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-        friction = nw.Friction(wetted_surface, form_factor, at_speed)
+    friction = None if form_factor is None else nw.Friction(wetted_surface or 0.0, form_factor, at_speed or 0.0)
     old = model_named(model)
     scaled = nw.scale_model(old, length, density, width, depth, friction)
     delivery.write(scaled.model.save)
     delivery.show(scaled.to_dict, lambda: print_scaled(scaled))
 
 
-@verb("narrows export c mikkelsen2025_dtc -o dtc.h")
+@verb("narrows export c mikkelsen2025_dtc -o dtc.h", needs=OF_WATERWAY | {"helm_speed": "hold"})
 def export(
     kind: Annotated[str, Argument(help=WHAT)],
     model: ModelFile,
@@ -92,8 +89,6 @@ def export(
 
 def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.Waterway | None") -> Any:
     if hold is None:
-        if speed is not None:
-            raise InputError("--helm-speed is for the helm of --hold; add --hold, or leave it out")
         return None
     from narrows.simulation.initial_state import voyage_defaults
 

@@ -1,16 +1,17 @@
 """Arguments and options of verbs, declared by annotation, ``Annotated[float, "..."]``; their output."""
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import click
 import numpy as np
+from click.core import ParameterSource
 
 from narrows.base.errors import InputError, shown
 from narrows.base.files import PICTURES, form_of, is_stream, save_figure
@@ -81,7 +82,7 @@ def _many(kind: Any, **attributes: Any) -> dict[str, Any]:
     return {**attributes, "callback": lambda context, parameter, values: list(values) or None} if is_many else {}
 
 
-def command(function: Callable[..., Any], name: str | None, example: str) -> click.Command:
+def command(function: Callable[..., Any], name: str | None, example: str, together: "Together") -> click.Command:
     """Return the verb of a function; a dataclass parameter becomes one option per field, a delivery some options."""
     hints, parameters = get_type_hints(function, include_extras=True), list[click.Parameter]()
     groups: dict[str, tuple[Any, list[str]]] = {}
@@ -98,6 +99,7 @@ def command(function: Callable[..., Any], name: str | None, example: str) -> cli
             parameters.append(_declared(each, hint, Parameter.empty if defaults[each] is MISSING else defaults[each]))
 
     def called(**given: Any) -> Any:
+        together.check(click.get_current_context())
         made = {own: kind(**{each: given.pop(each) for each in names}) for own, (kind, names) in groups.items()}
         return function(**given, **made)
 
@@ -105,6 +107,31 @@ def command(function: Callable[..., Any], name: str | None, example: str) -> cli
         name or function.__name__.replace("_", "-"), callback=called, params=parameters, help=function.__doc__,
         epilog=f"Example: {example}",
     )  # fmt: skip
+
+
+class Together(NamedTuple):
+    """Which options of a verb go together, by their names with blanks between."""
+
+    needs: Mapping[str, str] = {}  # Each of the options needs one of the others
+    one: tuple[str, ...] = ()  # Exactly one of these is given
+    apart: tuple[str, ...] = ()  # At most one of these is given
+
+    def check(self, context: click.Context) -> None:
+        words = {str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context)
+                 for own in context.command.params}  # fmt: skip
+        given = {
+            name for name in words if context.params.get(name)
+            and context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        }  # fmt: skip
+        for names, others in self.needs.items():
+            for name in given.intersection(names.split()):
+                if not given.intersection(others.split()):
+                    needed = " or ".join(words[other] for other in others.split())
+                    raise InputError(f"{words[name]} goes with {needed}; add it, or leave {words[name]} out")
+        for names in (*self.one, *self.apart):
+            count, known = len(given.intersection(names.split())), ", ".join(words[name] for name in names.split())
+            if count > 1 or (count == 0 and names in self.one):
+                raise InputError(f"give {'exactly' if names in self.one else 'at most'} one of {known}")
 
 
 def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
@@ -193,11 +220,11 @@ class SelectionOptions:
 Function = TypeVar("Function", bound=Callable[..., None])
 
 
-def verb(example: str, name: str | None = None) -> Callable[[Function], Function]:
-    """Register a function as a verb; a dataclass parameter becomes one option per field."""
+def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
+    """Register a function as a verb, with the options that go ``Together``; a dataclass becomes one option a field."""
 
     def registered(function: Function) -> Function:
-        app.add_command(command(function, name, example))
+        app.add_command(command(function, name, example, Together(**together)))
         return function
 
     return registered

@@ -61,8 +61,6 @@ class HelmOptions:
         if self.controller is not None:
             check_choice("--controller", self.controller, HELMS)
         if self.hold is None:
-            if self.controller is not None:
-                raise InputError("--controller needs the offset that it holds: add --hold, or leave it out")
             return None
         if self.controller == "predictive":
             from narrows.control.predictive import PredictiveHelm
@@ -117,15 +115,13 @@ class WaterOptions:
     ] = None
 
     def read(self) -> "nw.Waterway | None":
-        water = (self.current, self.level, self.current_across, self.current_shear)
         if self.waterway is None:
-            if any(own is not None for own in water):
-                raise InputError(
-                    "--current, --current-across, --current-shear and --level are a waterway's; add --waterway, or "
-                    "leave them out"
-                )
             return None
+        water = (self.current, self.level, self.current_across, self.current_shear)
         return nw.read_waterway(self.waterway).with_water(*water)
+
+
+OF_WATERWAY = {"current level current_across current_shear": "waterway"}
 
 
 @dataclass(frozen=True)
@@ -160,8 +156,6 @@ class SampleOptions:
     def __post_init__(self) -> None:
         if self.within is not None and not 0 < self.within < float("inf"):
             raise InputError(f"--within {self.within} is no distance; give metres")
-        if self.within is not None and not self.samples:
-            raise InputError("--within maps a probability, which needs samples of the coefficients: add --samples 200")
 
 
 # Distance below which two places are one in words [m].
@@ -170,7 +164,10 @@ SAME_PLACE = 0.05
 OFFSETS = 101
 
 
-@cli.verb("narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
+@cli.verb(
+    "narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png",
+    needs=OF_WATERWAY | {"controller": "hold"},
+)
 def simulate(
     model: cli.ModelFile,
     start: StartOptions,
@@ -207,7 +204,10 @@ def simulate(
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
-@cli.verb("narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png", name="map")
+@cli.verb(
+    "narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png", "map",
+    needs=OF_WATERWAY | {"within": "samples"},
+)  # fmt: skip
 def map_(
     model: cli.ModelFile,
     varied: VariedOptions,
@@ -278,7 +278,10 @@ def trials(
 REACH = 1000.0
 
 
-@cli.verb("narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson")
+@cli.verb(
+    "narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson",
+    needs={"reach": "line"}, apart=("file width",),
+)  # fmt: skip
 def waterway(
     file: Annotated[
         Path | None,
@@ -299,12 +302,8 @@ def waterway(
     """
     from narrows.report.printed_tables import print_waterway, waterway_summary
 
-    if file is not None and width is not None:
-        raise InputError("--width makes a waterway along --line alone; leave it out, or the file")
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
-    if (line is None or file is None) and reach != REACH:
-        raise InputError("--reach measures a chart or an area; leave it out for banks that are drawn")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)

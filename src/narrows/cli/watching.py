@@ -62,17 +62,18 @@ class AlertOptions:
     ] = None
 
 
-LOOPBACK, PORT = "127.0.0.1", 8765
-
-
 @dataclass(frozen=True)
 class PageOptions:
     page: Annotated[bool, "Show it in a browser too: prints the address."] = False
-    port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = PORT
-    host: Annotated[str, "With --page: network address; default: this machine alone; 0.0.0.0 for all."] = LOOPBACK
+    port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = 8765
+    host: Annotated[str, "With --page: network address; default: this machine alone; 0.0.0.0 for all."] = "127.0.0.1"
 
 
-@verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
+@verb(
+    "narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db",
+    needs={"recording": "demo", "host port": "page"},
+    one=("listen replay score demo", "model demo", "waterway demo"),
+)
 def monitor(
     inputs: InputOptions,
     alerts: AlertOptions,
@@ -89,7 +90,8 @@ def monitor(
     MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway is in map coordinates.
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
-    _check(inputs, alerts, model, waterway)
+    if inputs.pace is not None and not inputs.pace > 0:
+        raise InputError(f"--pace {inputs.pace:g} is no pace; give times real time, over 0")
     if inputs.score:
         return _score(inputs, model or "", waterway, y, delivery)
     pace = inputs.pace or (1.0 if page.page else math.inf)
@@ -107,19 +109,6 @@ def monitor(
     delivery.write(transit.save, report=lambda path: write_transit_report(transit, path))
     delivery.show(transit.to_dict, lambda: click.echo("\n".join([transit.summary(), *transit.notes])))
     raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
-
-
-def _check(inputs: InputOptions, alerts: AlertOptions, model: str | None, waterway: Path | None) -> None:
-    if sum(map(bool, (inputs.listen, inputs.replay, inputs.score, inputs.demo))) != 1:
-        raise InputError("give --listen with an address, --replay or --score with a recording, or --demo; one of them")
-    if inputs.demo and (model or waterway):
-        raise InputError("--demo has a ship and a canal of its own; leave MODEL and --waterway out")
-    if not inputs.demo and not (model and waterway):
-        raise InputError("sensors send longitude and latitude, so give MODEL and --waterway (only --demo has its own)")
-    if alerts.recording and not inputs.demo:
-        raise InputError("--recording writes the messages of --demo; leave it out")
-    if inputs.pace is not None and not inputs.pace > 0:
-        raise InputError(f"--pace {inputs.pace:g} is no pace; give times real time, over 0")
 
 
 def _monitor_of(
@@ -241,8 +230,6 @@ def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":
     from narrows.warning.page.bridge_page import BridgePage
 
     if not page.page:
-        if (page.host, page.port) != (LOOPBACK, PORT):
-            raise InputError("--host and --port are those of the page; give --page too")
         return None
     shown = BridgePage()
     click.secho(f"The page: {stack.enter_context(shown.open(page.host, page.port))}", err=True, bold=True)

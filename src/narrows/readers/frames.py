@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from narrows.base.errors import InputError, needs, reason
-from narrows.base.progress import counted, file_stage
+from narrows.base.progress import stage
 from narrows.readers.settings import SHEET_ROWS
 from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, read_text, text_chunks
 
@@ -29,7 +29,7 @@ def read_frame(path: Path) -> Sheet:
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
     reader = readers[_suffix(path, READABLE)]
-    with file_stage("reading", path) if reader is not _read_text else nullcontext(), guarding(path):
+    with nullcontext() if reader is _read_text else stage(f"reading {path.name}"), guarding(path):
         return reader(path)  # Text is read with counted bytes
 
 
@@ -55,12 +55,11 @@ def notes_of(path: Path) -> tuple[str, ...]:
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     first = 0
     # Without pre_buffer=False, buffers remain until the file is closed: memory would grow with it.
-    with _parquet().ParquetFile(path, pre_buffer=False) as file, counted(path, file.metadata.num_rows) as advance:
+    with _parquet().ParquetFile(path, pre_buffer=False) as file:
         for batch in file.iter_batches(batch_size=rows):
             frame = batch.to_pandas(ignore_metadata=True)
             frame.index = range(first, first + len(frame))
             first += len(frame)
-            advance(len(frame))
             yield frame
 
 

@@ -13,29 +13,24 @@ from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.files import save_figure
 from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
-from narrows.estimation import Consistency, EstimatedTrack
+from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.identification.plan import Plan
-from narrows.logbook.checking.check_log import LogFindings
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import SteadyFit
 from narrows.logbook.steady_legs.plan_steady import SteadyPlan
 from narrows.logbook.transits.predict_information import InformationForecast
-from narrows.model.derived_models import DepthCorrected
-from narrows.model.froude import Scaled
 from narrows.model.model import Model
-from narrows.model.squat import Squat
-from narrows.quantities.names import KNOT
-from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_along_chart, envelope_chart
+from narrows.report.envelope_chart import envelope_along_chart, envelope_chart
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
-from narrows.report.log_report import findings_figure, log_figure
+from narrows.report.log_report import log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
-from narrows.report.pilot_page import information_figure, legs_figure, steady_figure
+from narrows.report.pilot_page import legs_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
-from narrows.safety import EnvelopeAlong, OutsideRules, SafeEnvelope
+from narrows.safety import EnvelopeAlong, SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
@@ -46,8 +41,6 @@ from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.waterway.waterway import Waterway
 
 MOST_CURVES = 5
-# Largest speed of the figure of rules [knots].
-TOP = 16.0
 
 
 def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
@@ -58,10 +51,7 @@ def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes, or a path")
     with drawing_on(axes):
-        draw = next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), None)
-        if draw is None:
-            raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
-        return draw(result)
+        return next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), table_figure)(result)
 
 
 def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
@@ -71,20 +61,6 @@ def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = Non
         fitted = [force]
     with drawing_on(axes):
         return force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
-
-
-def rules_figure(rules: OutsideRules) -> Figure:
-    figure, axes = panels(1, 1, 3.6)
-    panel = axes[0, 0]
-    panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
-    panel.set_xlim(-1.02 * rules.wall_port, 1.02 * rules.wall_starboard)
-    keys = draw_widths(panel, rules)
-    draw_speeds(panel, rules)
-    for wall in (-rules.wall_port, rules.wall_starboard):
-        panel.axvline(wall, color=BLACK, lw=3)
-    panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
-    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-    return figure
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
@@ -105,24 +81,6 @@ def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figu
     figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
     axes[-1, 0].set_xlabel("time [s]")
     notes_below(figure, track.notes)
-    return figure
-
-
-def consistency_figure(result: Consistency) -> Figure:
-    figure, axes = panels(1, 2, 2.8)
-    left, right = axes[0]
-    mean = np.nanmean(result.nees[:, result.counted], axis=0) / len(result.states)
-    low, high = result.bounds()
-    left.axhspan(low, high, color=BLUE, alpha=0.2, linewidth=0, label="95 % by chance")
-    left.plot(result.t[result.counted], mean, color=BLUE, label=f"mean of {len(result.nees)} twins")
-    left.set(xlabel="time [s]", ylabel=f"NEES of {len(result.states)} states over {len(result.states)} [1]")
-    left.legend(frameon=False)
-    covered = result.covered
-    right.barh([name.replace("_", " ") for name in covered], list(covered.values()), color=BLUE)
-    right.axvline(0.95, color=BLACK, linestyle="--", linewidth=1.0)
-    right.set(xlabel="errors within the 95 % band [1]", xlim=(0.0, 1.0))
-    right.invert_yaxis()
-    notes_below(figure, result.notes)
     return figure
 
 
@@ -168,30 +126,42 @@ def _sensitivities(result: Sensitivities) -> Figure:
     return figure
 
 
-def _ratios(result: Scaled) -> Figure:
-    ratios = {name: value / result.original.coefficients[name] for name, value in result.model.coefficients.items()
-              if result.original.coefficients[name]}  # fmt: skip
-    return _bars(ratios, "coefficient at the new scale over that at the old [1]", log=True)
-
-
-def _plan(result: Plan) -> Figure:
-    figure, axes = panels(1, len(result.targets), 2.6)
+def precision_figure(result: Plan | InformationForecast) -> Figure:
+    """Draw the standard error of each target against the number of runs or transits, and what it is compared with."""
+    if isinstance(result, Plan):
+        counts, what, usual = tuple(range(1, len(result.runs) + 1)), "runs", result.usual
+        words = "as many about the centreline"
+    else:
+        counts, what, usual, words = result.transits, "transits", result.prior_std, "now"
+    figure, axes = panels(1, len(result.targets), 2.9)
     for panel, name in zip(axes[0], result.targets, strict=True):
-        panel.plot(range(1, len(result.runs) + 1), result.std[name], color=BLUE, marker="o", label="these runs")
-        panel.axhline(result.usual[name], color=ORANGE, linestyle="--", label="as many about the centreline")
-        panel.set(ylim=(0.0, None), xlabel="run [1]", ylabel=f"standard error of {name} [1]")
-    axes[0, 0].legend(frameon=False)
+        panel.plot(counts, result.std[name], color=BLUE, marker="o", markersize=3, label=f"after these {what}")
+        panel.axhline(usual[name], color=ORANGE, linestyle="--", label=words)
+        panel.set(ylim=(0.0, None), xlabel=f"{what} [1]", ylabel=f"standard error of {name} [1]")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), frameon=False, loc="outside upper left", ncols=2)
     return figure
 
 
-def _bars(values: dict[str, float], label: str, log: bool = False) -> Figure:
-    figure, axes = panels(1, 1, 0.9 + 0.22 * len(values), grid="x")
-    axes[0, 0].barh(list(values), list(values.values()), color=BLUE, log=log)
+def table_figure(result: Any) -> Figure:
+    """Draw the first numbers of a result's table as bars, a panel for each column."""
+    frame = result.to_dataframe()
+    numbers = frame.select_dtypes("number").dropna(axis=1, how="all").iloc[:, :MOST_COLUMNS]
+    if numbers.empty or len(frame) > MOST_BARS:
+        raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
+    labels = frame.index if frame.index.name else frame.iloc[:, 0]
+    if "unit" in frame:
+        labels = [f"{label} [{unit}]" for label, unit in zip(labels, frame["unit"], strict=True)]
+    figure, axes = panels(1, numbers.shape[1], 0.9 + 0.22 * len(frame), grid="x", sharey=True)
+    for panel, (name, column) in zip(axes[0], numbers.items(), strict=True):
+        panel.barh(range(len(frame)), column, color=BLUE)
+        panel.set_xlabel(str(name).replace("_", " "))
+    axes[0, 0].set_yticks(range(len(frame)), labels)
     axes[0, 0].invert_yaxis()
-    axes[0, 0].set_xlabel(label)
     return figure
 
 
+# Bars and columns of a table that a figure holds.
+MOST_BARS, MOST_COLUMNS = 60, 3
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
 SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "gyro_bias")
 NORMAL_95 = 1.959964
@@ -224,17 +194,14 @@ REACH, DRIFT, POINTS = 0.9, 20.0, 181
 SPEED_OF_LENGTH = 0.1
 
 
-# The picture of each kind of result.
+# The figure of each kind of result; others draw their table.
 FIGURES: dict[type, Callable[[Any], Figure]] = {
     Fit: intervals_figure,
     Comparison: lambda result: comparison_figure(result.rows(), result.forces),
     Explanation: lambda result: comparison_figure(result.comparison.rows(), result.comparison.forces),
     CaptiveTests: motions_figure,
-    Plan: _plan,
+    Plan: precision_figure,
     Model: model_figure,
-    Scaled: _ratios,
-    DepthCorrected: lambda result: _bars(dict(result.factors), "factor on the coefficient [1]"),
-    Squat: lambda result: _bars({f"{result.gives}, by {result.formula}": result.sinkage}, "sinkage [m]"),
     Reproduction: lambda result: paths_figure(list(result.voyages.values()), result.truth.configuration),
     Voyage: voyage_figure,
     Waterway: waterway_figure,
@@ -246,12 +213,9 @@ FIGURES: dict[type, Callable[[Any], Figure]] = {
     Sensitivities: _sensitivities,
     SafeEnvelope: envelope_chart,
     EnvelopeAlong: envelope_along_chart,
-    OutsideRules: rules_figure,
     EstimatedTrack: track_figure,
-    Consistency: consistency_figure,
     ShipLog: log_figure,
-    LogFindings: findings_figure,
-    InformationForecast: information_figure,
+    InformationForecast: precision_figure,
     SteadyPlan: legs_figure,
     SteadyFit: steady_figure,
     WatchedTransit: transit_figure,

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.logbook.checking.check_log import LogFindings
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.learning.log_fit import LogFit, RecordAnswer
 from narrows.logbook.ship_log import ShipLog, Signal
@@ -164,21 +163,3 @@ CURVES = (
 def _thinned(signal: Signal) -> Signal:
     step = max(1, len(signal) // MOST_POINTS)
     return Signal(signal.t[::step], signal.values[::step])
-
-
-def findings_figure(result: LogFindings) -> Figure:
-    records = list(dict.fromkeys(finding.record for finding in result))
-    checks = list(dict.fromkeys(finding.check for finding in result))
-    figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1), grid="")
-    for wrong, colour, mark, label in ((True, ORANGE, "X", "wrong"), (False, BLUE, "o", "doubtful")):
-        marked = [finding for finding in result if finding.wrong is wrong]
-        places = [(checks.index(own.check), records.index(own.record)) for own in marked]
-        x, y = zip(*places, strict=True) if places else ((), ())
-        axes[0, 0].plot(x, y, mark, color=colour, label=label)
-    axes[0, 0].set_xticks(range(len(checks)), checks)
-    axes[0, 0].set_yticks(range(len(records)), records)
-    axes[0, 0].margins(0.2)
-    axes[0, 0].set_title("" if len(result) else result.summary())
-    if len(result):
-        axes[0, 0].legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    return figure

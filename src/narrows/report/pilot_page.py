@@ -63,15 +63,14 @@ def legs_figure(plan: SteadyPlan) -> Figure:
         axes.text(sign * 0.97 * half, 0.06, side, rotation=90, va="bottom", ha=ends, fontsize=8)
     axes.axvline(0, color=GREY, lw=0.8, ls="-.")
     places = sorted({leg.offset for leg in plan.legs})
-    rows = _rows(places, ship.beam)
-    for offset, row in zip(places, rows, strict=True):
+    for row, offset in enumerate(places):  # Each hull ahead of the last, so that neighbours do not overlap.
         colour = BLUE if offset > 0 else ORANGE
         hull = [(offset + across * ship.beam, row + 0.05 + 0.9 * along) for across, along in HULL]
         axes.add_patch(Polygon(hull, closed=True, facecolor=colour, edgecolor=BLACK, lw=0.8, alpha=0.85))
         numbers = ", ".join(str(i) for i, leg in enumerate(plan.legs, start=1) if leg.offset == offset)
         look: dict[str, Any] = {"ha": "center", "va": "center", "color": "white", "weight": "bold", "fontsize": 8}
         axes.text(offset, row + 0.5, numbers, **look)
-    axes.set(xlim=(-1.05 * half, 1.05 * half), ylim=(-0.1, max(rows) + 1.25), yticks=[])
+    axes.set(xlim=(-1.05 * half, 1.05 * half), ylim=(-0.1, len(places) + 0.25), yticks=[])
     axes.set_xticks([-half, *places, 0, half], [f"{x:+.3g}" if x else "0" for x in (-half, *places, 0, half)])
     axes.spines["left"].set_visible(False)
     axes.set_xlabel("metres from the middle, the ship going up the page: port left, starboard right")
@@ -82,32 +81,9 @@ def legs_figure(plan: SteadyPlan) -> Figure:
 HULL = ((-0.5, 0.0), (0.5, 0.0), (0.5, 0.75), (0.0, 1.0), (-0.5, 0.75))
 
 
-def _rows(places: list[float], beam: float) -> list[float]:
-    """Row in which each hull is drawn, so that neighbours do not overlap."""
-    rows: list[float] = []
-    for i, place in enumerate(places):
-        taken = {row for other, row in zip(places[:i], rows, strict=True) if abs(other - place) < 1.1 * beam}
-        rows.append(next(float(row) for row in range(len(places)) if row not in taken))
-    return rows
-
-
 def print_information(information: InformationForecast) -> None:
     columns = {"transits": "{transits}"} | {f"std {name}": f"{{std {name}:.2g}}" for name in information.std}
     print_result(information, table_of(columns, information.rows()))
-
-
-def information_figure(information: InformationForecast) -> Figure:
-    targets = information.targets
-    figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.0, top=0.25, across=0.75))
-    for panel, name in zip(axes[0], targets, strict=True):
-        panel.axhline(information.prior_std[name], color=GREY, ls="--", label="now")
-        panel.plot(information.transits, information.std[name], color=BLUE, marker="o", ms=3, label="after them")
-        panel.set(xscale="log", xlabel="transits", ylabel=f"standard error of {name}")
-        panel.set_xticks(information.transits, [str(count) for count in information.transits])
-        panel.minorticks_off()
-        panel.set_ylim(bottom=0)
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False, fontsize=7)
-    return figure
 
 
 # Coefficients before and after a record, in a table.
