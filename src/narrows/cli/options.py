@@ -110,7 +110,7 @@ def command(function: Callable[..., Any], name: str | None, example: str, togeth
 
 
 class Together(NamedTuple):
-    """Which options of a verb go together, by their names with blanks between."""
+    """Rules on options of a verb that go together, by their names with blanks between."""
 
     needs: Mapping[str, str] = {}  # Each of the options needs one of the others
     one: tuple[str, ...] = ()  # Exactly one of these is given
