@@ -20,9 +20,8 @@ from pages import markdown, publish
 from narrows.readers.nmea.nmea_decoder import NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
-from narrows.warning.alerts.alert import Alert, AlertLog, AlertState, Priority, logged
+from narrows.warning.alerts.alert import Alert, AlertLog, AlertState, Priority, command_of, logged
 from narrows.warning.inputs.listening import Arrival, Inbox, SignalK
-from narrows.warning.monitoring.alert_publisher import command_of
 from narrows.warning.settings import OTHERS_QUEUE
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000

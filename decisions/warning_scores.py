@@ -26,11 +26,10 @@ from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
 
-from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.forecasting.forecast import level_time
 from narrows.warning.forecasting.helmsman import escape_numbers
 from narrows.warning.monitoring.watched_transit import alert_spells
-from narrows.warning.settings import CLEAR_SHARE, NEAR_MISS
+from narrows.warning.settings import CLEAR_SHARE, LEVELS, NEAR_MISS
 
 RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
 """False alerts in 100 hours; draws of an interval."""
@@ -225,7 +224,7 @@ def of_predictors(known: Watch) -> str:
 
 def of_levels(known: Watch) -> str:
     rows = []
-    for level, time in vars(Thresholds()).items():
+    for level, time in reversed(LEVELS.items()):
         found = score(known, RULE, (1.0 / time, 1.0 / time))
         rows.append(
             (
@@ -241,10 +240,9 @@ def of_levels(known: Watch) -> str:
 
 def of_others(known: Watch, folder: Path | None) -> str:
     """Averted in truths of other kinds [%], and false alerts in 100 hours: thresholds are those of the known truth."""
-    levels = Thresholds()
     chosen = (
-        (RULE, 1.0 / levels.warning),
-        (RULE, 1.0 / levels.alarm),
+        (RULE, 1.0 / LEVELS["warning"]),
+        (RULE, 1.0 / LEVELS["alarm"]),
         (CURVED, threshold_at(known.runs, CURVED, RATES[0])),
     )
     rows = []

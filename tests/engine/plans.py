@@ -8,7 +8,6 @@ from arguments import uncertain
 
 import narrows as nw
 from narrows.control import PredictiveHelm
-from narrows.control.predictive.course_ahead import no_push
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.simulation.ship import SimulatedShip, steering_of
@@ -38,7 +37,7 @@ def converged(state: np.ndarray, rounds: int = 12) -> RudderPlan:
     """A plan from a state after as many steps of sequential quadratic programming."""
     begun = orders()
     track, planner = begun.course.track, begun.planner
-    push, (_, beyond) = no_push(begun.course.spread), begun.course.regulated(0.0, 0.0)
+    push, (_, beyond) = np.zeros(2), begun.course.regulated(0.0, 0.0)
 
     def reference(x: np.ndarray) -> np.ndarray:
         return track.at(x, push)

@@ -129,13 +129,15 @@ def test_the_steady_turn_along_a_bend_is_a_voyage_that_stays_on_its_line(model) 
     assert abs(told["rudder"]) > 0.01
 
 
-def test_a_free_speed_is_held_by_its_propeller() -> None:
+def test_a_free_speed_is_held_by_its_propeller_and_a_force() -> None:
     course = linearize(mmg(), y=0.8, u=1.0, surge="free").course
-    told = {name: float(course[name]) for name in ("y", "u", "psi", "v", "r", "rudder", "revolutions")}
-    assert told["revolutions"] > nw.self_propulsion(mmg(), 1.0)
+    told = {name: float(course[name]) for name in ("y", "u", "psi", "v", "r", "rudder", "revolutions", "X")}
+    assert told["revolutions"] == pytest.approx(nw.self_propulsion(mmg(), 1.0))
+    assert told["X"] > 0
     voyage = nw.simulate(mmg(), surge="free", duration=3.0, dt=0.05, **told)
     np.testing.assert_allclose(voyage.u, 1.0, atol=1e-6)
-    assert float(course["X"]) == 0.0
+    ahead = linearize(mmg(), u=1.0, surge="free").course
+    assert float(ahead["X"]) == pytest.approx(0.0, abs=1e-9 * told["X"])
     towed = linearize(steered(), y=0.2, u=1.0, surge="free", surge_inertia=280.0)
     assert float(towed.course["X"]) > 0
     assert towed.states == ("y", "psi", "u", "v", "r")

@@ -1,7 +1,6 @@
 """The parts of a predictive helm, each beside another way to the same: recursions, differences, maps, SciPy."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 
@@ -21,13 +20,9 @@ from narrows.control.linearization import LocalMotion, LocalWater, along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import (
     HELD,
-    BankSpread,
-    Push,
     margins_of,
-    no_push,
     over_interval,
     regulator_of,
-    share_of,
     update_push,
     water_ahead,
     weights_of,
@@ -47,7 +42,6 @@ CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 
 LOOPS = compiled_loops(plan_loops)
 random = np.random.default_rng(0).standard_normal
-WALLS = BankSpread(0.8, np.stack([np.linspace(-4.0, 4.0, 41) ** 3, -np.linspace(-4.0, 4.0, 41)], axis=1))
 
 
 def test_condensed_states_are_those_of_the_recursion() -> None:
@@ -238,55 +232,26 @@ def test_a_rudder_that_drives_nothing_has_no_gains() -> None:
         regulator_of(A, np.array([0.0, 0, 0, 0, 1.0]), weights_of(DEFAULT_WEIGHTS, 1.0, 10.0))
 
 
-def estimated(truth: Push, places: np.ndarray, noise: float = 0.0) -> Push:
-    draw, push = np.random.default_rng(1).standard_normal((len(places), 2)), no_push(truth.spread)
-    for share, wrong in zip(places, draw, strict=True):
-        missing = truth.at(np.array([share]))[0][0] - push.at(np.array([share]))[0][0] + noise * wrong
-        push = update_push(push, missing, float(share), 1.0, 15.0)
-    return push
-
-
-def test_a_push_of_any_kind_is_found_where_no_bank_is_felt() -> None:
-    nothing = BankSpread(0.8, np.zeros((41, 2)))
-    found = estimated(replace(no_push(nothing), steady=np.array([3.0, -2.0])), np.zeros(150))
-    np.testing.assert_allclose(found.steady, [3.0, -2.0], rtol=1e-3)
-    np.testing.assert_array_equal(found.strength, 0.0)
-
-
-def test_a_push_that_follows_the_place_is_the_bank() -> None:
-    places = 0.6 * np.sin(np.arange(400) / 25)
-    found = estimated(replace(no_push(WALLS), strength=np.array([0.7, -1.2])), places, noise=0.1)
-    np.testing.assert_allclose(found.strength, [0.7, -1.2], atol=0.1)
-
-
-def test_in_the_middle_a_push_is_none_of_the_bank() -> None:
-    found = estimated(replace(no_push(WALLS), steady=np.array([3.0, -2.0])), np.zeros(150))
-    np.testing.assert_array_equal(found.strength, 0.0)
+def test_a_steady_push_is_found_two_thirds_of_it_in_a_time_constant() -> None:
+    truth, push = np.array([3.0, -2.0]), np.zeros(2)
+    for second in range(1, 151):
+        push = update_push(push, truth - push, 1.0, 15.0)
+        if second == 15:
+            np.testing.assert_allclose(push, (1.0 - np.exp(-1.0)) * truth)
+    np.testing.assert_allclose(push, truth, rtol=1e-3)
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
 def test_what_is_no_number_tells_nothing_of_a_push(wrong: float) -> None:
-    push = no_push(WALLS)
-    assert update_push(push, np.array([wrong, 1.0]), 0.1, 1.0, 15.0) is push
-
-
-def test_the_spread_of_the_banks_is_straight_between_its_places_and_stays_beyond() -> None:
-    share = np.array([-0.95, -0.31, 0.0, 0.455, 0.95])
-    grid = np.linspace(-0.8, 0.8, 41)
-    forces, slopes = WALLS.at(share)
-    for axis in (0, 1):
-        np.testing.assert_allclose(forces[:, axis], np.interp(share, grid, WALLS.forces[:, axis]), atol=1e-9)
-    np.testing.assert_allclose(
-        slopes[1:4], (WALLS.at(share + 1e-6)[0] - WALLS.at(share - 1e-6)[0])[1:4] / 2e-6, atol=1e-3
-    )
-    assert (slopes[[0, -1]] == 0).all()
+    push = np.array([1.0, 2.0])
+    assert update_push(push, np.array([wrong, 1.0]), 1.0, 15.0) is push
 
 
 def test_nodes_later_are_nodes_between() -> None:
     nodes = np.arange(5.0)[:, None] * [1.0, -2.0]
 
     def later(nodes: np.ndarray, share: float) -> np.ndarray:
-        return np.asarray(LOOPS.interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)[0])
+        return np.asarray(LOOPS.interpolate(nodes, 1.0, np.arange(len(nodes)) + share))
 
     np.testing.assert_allclose(later(nodes, 0.0), nodes)
     np.testing.assert_allclose(later(nodes, 1.25)[:, 0], [1.25, 2.25, 3.25, 4.0, 4.0])
@@ -312,11 +277,6 @@ def test_the_water_ahead_is_the_waterway_and_goes_on_beyond_its_ends() -> None:
     np.testing.assert_allclose(beyond["width"], there["width"][[0, -1]])
     own = water_ahead(model, None).at(np.array([3.0, 1e6]))
     np.testing.assert_allclose(own["keel_starboard"], model.configuration.canal.width / 2)
-
-
-def test_shares_count_from_wall_to_wall() -> None:
-    there = {"middle": np.array([1.0, 1.0]), "width": np.array([10.0, 10.0])}
-    np.testing.assert_allclose(share_of(np.array([-4.0, 6.0]), there), [-1.0, 1.0])
 
 
 def test_margins_grow_by_what_the_push_at_the_start_leaves_unexplained() -> None:

@@ -14,7 +14,7 @@ import narrows as nw
 from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
 from narrows.model.data_range import DataRange
-from narrows.model.tables import table_named, with_helm
+from narrows.model.tables import table_named
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, largest_block, runs
 from narrows.safety.held_trials import trials
@@ -277,10 +277,6 @@ class TestEnvelope:
         assert float(highest[7]) == 7.0
         assert float(found.highest_speed(float(highest.y[7]))) == 7.0
 
-    def test_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:
-        np.testing.assert_array_equal(found.safest_offset()[:3], 0.0)
-        assert np.isnan(found.safest_offset()[3])
-
     def test_the_keel_takes_the_bottom(self, ship: nw.Model) -> None:
         shallow = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0, 11.8)))
         speeds = np.array([1.0, 4.0])
@@ -305,12 +301,6 @@ class TestEnvelope:
         found = nw.safe_envelope(tank, np.array([0.0]), np.array([0.5]), samples=1)
         assert any("that of a full-size ship" in note for note in found.notes)
 
-    def test_a_rudder_that_is_not_needed_or_not_enough_says_nothing_of_speed(self, ship: nw.Model) -> None:
-        """Zero on the middle, or no course at all, is the same at every speed and no proof of anything."""
-        tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
-        for y in (np.array([0.0]), np.array([-2.0, 0.0, 2.0])):
-            assert not nw.safe_envelope(tank, y, np.array([0.4, 1.0]), samples=1).speed_free
-
     def test_a_propeller_turns_as_the_speed_asks(self) -> None:
         """All forces of the MMG method then go with the square of the speed, so one rudder serves at every speed."""
         kvlcc2 = nw.published("yasukawa2015_kvlcc2")
@@ -320,17 +310,6 @@ class TestEnvelope:
         found = nw.steady_course(kvlcc2, y=0.0, u=[0.5, 1.0], N=xr.DataArray([0.25, 1.0], dims="u"))
         assert float(found.rudder[0]) == pytest.approx(float(found.rudder[1]), rel=1e-7)
         assert abs(float(found.rudder[0])) > 1e-4
-
-    def test_what_the_rudder_needs_at_any_speed_is_said(self, ship: nw.Model) -> None:
-        dry = replace(ship, configuration=replace(ship.configuration, canal=nw.Canal(300.0)))
-        found = nw.safe_envelope(dry, OFFSETS, SPEEDS, samples=1)
-        assert found.speed_free
-        assert any("square of the speed" in note for note in found.notes)
-        assert any("the depth is not given" in note for note in found.notes)
-        table = with_helm(nw.PAPER)
-        linear = {"a_u": 0.0, "b_v": 1e6, "b_r": 1e8, "c_v": 1e8, "c_r": 1e10}
-        slow = nw.Model(dry.configuration, table, {n: {**ship.coefficients, **linear}[n] for n in table.names})
-        assert not nw.safe_envelope(slow, OFFSETS, SPEEDS, samples=1).speed_free
 
     @pytest.mark.parametrize(
         ("given", "words"),

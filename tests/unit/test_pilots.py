@@ -137,15 +137,6 @@ class TestHelmsman:
         assert abs(off[0]) > 0.3
         assert abs(off[1]) < 0.3 * abs(off[0])
 
-    @pytest.mark.parametrize(
-        ("told", "words"),
-        [({"gains": (1.0, 2.0)}, "three gains"), ({"trim": math.nan}, "finite"), ({"delay": -1.0}, "seconds from 0"),
-         ({"cap_deg": 80.0}, "1 to 63")],
-    )  # fmt: skip
-    def test_what_is_no_helm_is_refused(self, told: dict, words: str) -> None:
-        with pytest.raises(nw.InputError, match=words):
-            Helmsman(**{"y": 0.0, "gains": (0.02, 8.0, 600.0), **told})
-
 
 def was_held(model: nw.Model, law: object, thrown: dict, y: float, u: float, sample: int) -> bool:
     """One trial by the voyage's own integrator, judged by its columns."""

@@ -66,11 +66,6 @@ class TestEnvelope:
         for words in ("uncertainty of the coefficients is not known", "depth of the canal is not known", "no verdict"):
             assert words in dry
 
-    def test_of_equal_offsets_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:
-        """A ship that feels no bank needs the same rudder everywhere."""
-        trusted = nw.SafeEnvelope(found.data.assign(tested=found.data["tested"] | True).assign_attrs(untested=""))
-        assert np.all(trusted.safest_offset() == 0.0)
-
 
 def test_a_map_is_hatched_where_the_ranges_are_not_known(without_bank: nw.Model) -> None:
     voyages = nw.ensemble(without_bank, y=[0.0, 30.0], u=[3.0, 4.0], psi=0.05, duration=400.0, dt=1.0)

@@ -101,9 +101,7 @@ class Pulse:
 
 def asked(page: BridgePage, monitored: Watched) -> list[Any]:
     """Do what was asked for on the page, as the next update of a monitor does; the alerts that changed."""
-    from narrows.warning.monitoring.alert_publisher import command_of
-
-    commands = [command_of(text) for text in page.requests.sentences(monitored.desk, monitored.t)]
+    commands = page.requests.commands(monitored.desk, monitored.t)
     return [monitored.desk.command(monitored.t, *command) for command in commands]
 
 

@@ -26,6 +26,7 @@ from narrows.warning.alerts.alert import (
     NO_FORECAST,
     SENSORS,
     Alert,
+    AlertCommand,
     AlertDesk,
     AlertLog,
     AlertState,
@@ -34,11 +35,12 @@ from narrows.warning.alerts.alert import (
     Condition,
     Priority,
     Situation,
-    Thresholds,
+    command_of,
+    level_of,
     logged,
 )
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
-from narrows.warning.monitoring.alert_publisher import AlertCommand, alc, alf, arc, command_of, hbt, notifications
+from narrows.warning.monitoring.alert_publisher import alc, alf, arc, hbt, notifications
 
 SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018
 REPEAT_AFTER = 60.0  # [s] after which an alert that nobody acknowledges sounds anew
@@ -194,7 +196,7 @@ def forecast(left: float = math.inf, gone: bool = False) -> BankForecast:
     return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, 0.0, 0.1, 0.6)
 
 
-USUAL = Thresholds()
+EASES = 1.0, 0.7  # of a level that is raised, and of one that is kept
 
 
 @pytest.mark.parametrize(
@@ -207,31 +209,28 @@ USUAL = Thresholds()
 )  # fmt: skip
 def test_the_time_that_is_left_to_act_makes_the_level(told: dict[str, float], level: Priority) -> None:
     """90 s, 60 s, 30 s."""
-    assert Thresholds().level(forecast(**told)) is level
+    assert level_of(forecast(**told)) is level
+
+
+def updated(level: BankLevel, t: int, now: BankForecast) -> Priority:
+    return level.update(float(t), *(level_of(now, ease) for ease in EASES))
 
 
 def test_nothing_chatters_at_a_threshold() -> None:
     """A time that jumps over a threshold and back every second, for ten minutes: one warning."""
-    level, said = BankLevel(USUAL), []
+    level, said = BankLevel(), []
     for t in range(600):
-        said.append(level.update(float(t), forecast(USUAL.warning + (-0.5 if t % 5 else 0.5))))
+        said.append(updated(level, t, forecast(60.0 + (-0.5 if t % 5 else 0.5))))
     assert said.index(Priority.WARNING) >= RAISE_DELAY
     assert sum(a is not b for a, b in pairwise(said)) <= 2
-    below = [level.update(600.0 + t, forecast()) for t in range(20)]
+    below = [updated(level, 600 + t, forecast()) for t in range(20)]
     assert below.index(Priority.NONE) == LOWER_DELAY
 
 
 def test_a_spike_is_no_alert() -> None:
-    level = BankLevel(Thresholds())
-    assert [level.update(float(t), forecast(*left)) for t, left in enumerate([(1.0,), (), (1.0,), ()])] == [
-        Priority.NONE
-    ] * 4
-
-
-@pytest.mark.parametrize("wrong", [{"caution": 20.0}, {"warning": 100.0}, {"alarm": math.nan}])
-def test_thresholds_that_are_none_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(nw.InputError, match=next(iter(wrong))):
-        Thresholds(**wrong)
+    level = BankLevel()
+    said = [updated(level, t, forecast(*left)) for t, left in enumerate([(1.0,), (), (1.0,), ()])]
+    assert said == [Priority.NONE] * 4
 
 
 ALERT = Alert(BANK.identifier, Priority.ALARM, AlertState.UNACKNOWLEDGED, "Contact to port, 42 s", 3.0, 7, 2, 1)
@@ -396,7 +395,8 @@ def test_times_that_a_navigator_sees() -> None:
     assert (numbers.HOLD_TIME, numbers.RAISE_DELAY, numbers.LOWER_DELAY, numbers.HYSTERESIS) == (10, 2, 10, 0.7)
     assert (numbers.HEARTBEAT, numbers.LIST_INTERVAL) == (60.0, 30.0)
     assert (numbers.GRACE, numbers.SENSOR_SILENCE, numbers.OTHER_SENSOR_SILENCE) == (20.0, 3.0, 10.0)
-    assert (numbers.BLIND_AFTER, numbers.DOUBT_HOLD_TIME, numbers.SOURCE_SILENCE) == (10.0, 10.0, 5.0)
+    assert (numbers.BLIND_AFTER, numbers.SOURCE_SILENCE) == (10.0, 5.0)
+    assert numbers.LEVELS == {"alarm": 30.0, "warning": 60.0, "caution": 90.0}
     assert (numbers.DRAFT_TOLERANCE, numbers.DEPTH_TOLERANCE, numbers.NEAR_MISS) == (0.03, 0.1, 20.0)
     assert (numbers.HORIZON, numbers.ESCAPE_TIME, numbers.WRONG_ORDER_TIME) == (120.0, 100.0, 40.0)
     assert (numbers.CONTACT_CLEARANCE, numbers.NEEDED_TIME, numbers.BEFORE_CONTACT) == (5.0, 10.0, 300.0)

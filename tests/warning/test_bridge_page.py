@@ -241,7 +241,7 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
     """Told, acknowledged once; a copy of it, a wrong one and what is none are refused in words."""
     from websockets.sync.client import connect
 
-    monitored = Watched()
+    monitored, changed = Watched(), "That alert is over, or has changed since it was asked for; look at it again."
     page.publish(monitored, monitored.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
     with connect(f"ws://{host}{UPDATES}?token=secret", origin=f"http://{host}") as line:
         assert json.loads(line.recv(5.0))["alerts"][0]["state"] == "unacknowledged"
@@ -249,11 +249,11 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
         line.send(copy)
         assert [alert.state for alert in soon(lambda: asked(page, monitored))] == [AlertState.ACKNOWLEDGED]
         for text, sentence in {
-            copy: "BANK TO STBD: the alert has changed since it was asked for; look at it again.",
-            request(monitored): "BANK TO STBD: it is acknowledged, so there is nothing to acknowledge.",
-            request(monitored, "silence"): "BANK TO STBD: it is acknowledged, so there is nothing to silence.",
-            request(monitored, instance=3): "BANK TO STBD: that alert is over.",
-            request(monitored, identifier=7): "There is no alert 7.",
+            copy: changed,
+            request(monitored): "The alert is acknowledged, so there is nothing to acknowledge.",
+            request(monitored, "silence"): "The alert is acknowledged, so there is nothing to silence.",
+            request(monitored, instance=3): changed,
+            request(monitored, identifier=7): changed,
             "[" * 400: MALFORMED,
         }.items():
             line.send(text)

@@ -13,7 +13,7 @@ from watch import BEGAN, calm, forecaster, indicated, monitor, monitored, ticks
 
 import narrows as nw
 from narrows.readers.nmea.nmea_sentences import with_checksum
-from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertState, Priority, logged
+from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertState, Priority, command_of, logged
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
@@ -112,7 +112,7 @@ def test_alerts_are_logged_sent_and_answered(tmp_path: Path) -> None:
         command = with_checksum(f"INACN,,NRW,{BANK.identifier},{alert.instance},A,C").strip().encode()
         wrong = with_checksum(f"INACN,,NRW,{BANK.identifier},{alert.instance + 1},A,C").strip().encode()
         for told in ([command], [command, wrong]):
-            one.update(Tick(BEGAN + 18, (), {}, told), BEGAN + 18)
+            one.update(Tick(BEGAN + 18, (), {}, [*map(command_of, told)]), BEGAN + 18)
         bridge.settimeout(0.2)
         heard = []
         try:

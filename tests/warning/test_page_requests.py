@@ -14,6 +14,7 @@ from watch import BEGAN, monitor, monitored, ticks
 from narrows.warning.alerts.alert import (
     BANKS,
     CALM,
+    AlertCommand,
     AlertDesk,
     AlertLog,
     AlertState,
@@ -23,7 +24,7 @@ from narrows.warning.alerts.alert import (
     logged,
 )
 from narrows.warning.inputs.bridge_readings import Tick
-from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
+from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of, update_of
 
 FAN_MEMBERS, REQUEST_QUEUE = 32, 64  # ships of the fan; requests that wait between two updates
@@ -59,9 +60,11 @@ def test_a_flood_of_requests_is_bounded() -> None:
     for _ in range(REQUEST_QUEUE + 5):
         requests.take(json.dumps(GOOD), said.append)
     assert said == [BUSY] * 5
-    told = next(requests.joined([Tick(0.0, (), {}, [b"first"])], AlertDesk()))
-    assert list(told.commands) == [b"first"]
-    assert said[5:] == ["BANK TO PORT: that alert is over."] * REQUEST_QUEUE
+    first = AlertCommand(10110, 1, Command.SILENCE)
+    told = next(requests.joined([Tick(0.0, (), {}, [first])], AlertDesk()))
+    assert list(told.commands) == [first]
+    assert len(said[5:]) == REQUEST_QUEUE
+    assert "look at it again" in said[-1]
 
 
 class PageBridge(RuleBasedStateMachine):
@@ -97,8 +100,8 @@ class PageBridge(RuleBasedStateMachine):
         assert (why == "") == (current and before.commanded(command, self.t) is not None)
         said = PageRequests()
         said.take(json.dumps(request._asdict()), lambda sentence: None)
-        for text in said.sentences(self.desk, self.t):
-            assert self.desk.command(self.t, *command_of(text)) is not None
+        for asked in said.commands(self.desk, self.t):
+            assert self.desk.command(self.t, *asked) is not None
         assert (self.desk[BANK] == before) == bool(why)
 
     @invariant()

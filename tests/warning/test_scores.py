@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from transit import canal, ship
 
-from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
+from narrows.warning.alerts.alert import BankLevel, Priority, level_of
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
 from narrows.warning.monitoring.watched_transit import WatchedTransit, alert_spells, clearances, score_transits
 
@@ -25,8 +25,10 @@ def test_an_alert_stands_where_the_level_says_it(every: float) -> None:
     """Of urgencies that wander about the threshold: the same seconds as of the level of the monitor."""
     walk = np.cumsum(np.random.default_rng(3).normal(0.0, 0.15, 400))
     t, urgency = every * np.arange(400.0), 1.0 + np.abs(walk) % 1.0 - 0.6
-    level = BankLevel(Thresholds(60.0, 1e-6, 1e-6))
-    said = [level.update(now, told(60.0 / u)) > Priority.NONE for now, u in zip(t, urgency, strict=True)]
+    level, said = BankLevel(), []
+    for now, u in zip(t, urgency, strict=True):
+        wanted, eased = (min(level_of(told(90.0 / u), ease), Priority.CAUTION) for ease in (1.0, 0.7))
+        said.append(level.update(now, wanted, eased) > Priority.NONE)
     stands = [any(start <= now < end for start, end in alert_spells(t, urgency)) for now in t]
     assert stands == said
 
@@ -59,9 +61,8 @@ def test_scores_are_those_counted_by_hand() -> None:
     assert scores.left == {
         "early": (0.0, 18.0, 18.0, 18.0), "late": (0.0, 8.0, 8.0, 8.0), "long before": (300.0, 0.0, 0.0, 0.0),
     }  # fmt: skip
-    assert [row.in_time for row in scores.rows] == [1, 1, 1, 1]
-    in_vain = [row.false * scores.hours / 100.0 for row in scores.rows]
-    assert in_vain == pytest.approx([1.0, 3.0, 2.0, 2.0])
+    assert scores.table["in_time"].tolist() == [1, 1, 1, 1]
+    assert (scores.table["false"] * scores.hours / 100.0).tolist() == pytest.approx([1.0, 3.0, 2.0, 2.0])
 
 
 def test_clearances_count_from_the_corners_of_the_hull() -> None:

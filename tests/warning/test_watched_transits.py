@@ -34,10 +34,10 @@ def test_recorded_transits_are_scored() -> None:
     transits = {name: transit_of(monitored(heard)) for name, heard in told.items()}
     scores = score_transits(transits)
     assert (scores.contacts, scores.clear, scores.unknown) == (1, 1, ("mute",))
-    assert all(row.false == 0 for row in scores.rows)
+    assert (scores.table["false"] == 0).all()
     left = dict(zip(PREDICTORS, scores.left["aground"], strict=True))
     assert left["caution"] >= left["alarm"]
-    assert scores.to_dataframe().loc["caution", "in_time"] == (left["caution"] >= NEEDED_TIME)
+    assert scores.table.loc["caution", "in_time"] == (left["caution"] >= NEEDED_TIME)
     assert "1 transit with a contact" in scores.summary()
     assert any("mute" in note for note in scores.notes)
 

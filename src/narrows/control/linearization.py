@@ -27,7 +27,8 @@ if TYPE_CHECKING:
 Columns = dict[str, np.ndarray]
 MOVED = ("y", "psi", "u", "v", "r")
 WATER = ("current", "curvature")
-HOLDING = {"held": ("Y", "N"), "free": ("X", "Y", "N")}  # External forces by surge: speed held or free
+# External forces by surge, and the rates that they keep at 0.
+HOLDING = {"held": {"Y": "v", "N": "r"}, "free": {"X": "u", "Y": "v", "N": "r"}}
 
 
 @dataclass(frozen=True)
@@ -146,8 +147,8 @@ def linearize(
     waterway, at : Waterway, float [m], optional
         Waterway instead of the model's own canal, and the place along it.
     surge : str
-        ``held``: constant speed; ``free``: it is a state. The propeller turns as the steady course needs; without one a
-        force X drives the ship.
+        ``held``: constant speed; ``free``: it is a state. A propeller turns as it must straight ahead, and a force X,
+        which the course gives, is what the ship lacks beside that.
     surge_inertia : float [kg], optional
         Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     **values : float [SI]
@@ -189,50 +190,38 @@ def _check_values(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str,
     for name in values:
         if name not in known:
             raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
-    if ship.surge == "free" and "revolutions" in values:
-        raise InputError("revolutions are sought where the speed is free: leave them out, or hold the speed")
     return finite_numbers(**values)
 
 
 def steady_courses(
     ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
 ) -> tuple[LocalMotion, Columns]:
-    """Solve for the steady courses, with the propeller's revolutions if the speed is free."""
-    # A ship without a rudder is held along its line by sway force and yaw moment, and at a free speed surge force.
-    terms, is_free = ship.model.terms, ship.surge == "free"
+    """Solve for the steady courses: the propeller turns as straight ahead, and a force X holds a free speed."""
+    # A ship without a rudder is held along its line by sway force and yaw moment too.
+    terms = ship.model.terms
     is_steered = "sin_rudder" in terms.inputs
-    sought = () if is_steered else HOLDING[ship.surge]
+    sought = {force: rate for force, rate in HOLDING[ship.surge].items() if force == "X" or not is_steered}
     for name in sought:
         if name in given:
             raise InputError(f"{name} is what holds a ship without a rudder on its line: it is sought; leave it out")
     forces = {name: given.get(name, 0.0) for name in ("Y", "N")}
     movers = {a.name: given.get(a.name, a.rest or 0.0) for a in terms.actuators if a.name != "rudder"}
     fixed = {**ship.values(**movers), **water.sections, **{n: v for n, v in given.items() if n not in forces}}
-    motion = LocalMotion(ship, water, fixed)
-    bend = water.curvature / (1 - water.curvature * y)
-    turns, steered, v = _revolutions_ahead(ship.model, u, given), {}, np.zeros(len(y))
-    for _ in range(30):  # Newton's method for the revolutions; it takes four or five steps
-        if is_steered:
-            known = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
-            v, steered["rudder"] = solve_courses(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
-        psi = 0.0 - np.arctan(v / u)
-        speed_along = u * np.cos(psi) - v * np.sin(psi) + water.current
-        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * speed_along, **steered, **movers, **turns, **forces}
-        course |= {"current": water.current, "curvature": water.curvature} | ({"X": 0.0} if is_free else {})
-        course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
-        change = _revolutions_step(motion, course) if is_steered and is_free and turns else np.zeros(1)
-        if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():  # NaN: no course
-            break
-        turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
-    else:
-        raise InputError("no revolutions were found that keep this speed; hold it (surge='held'), or choose another")
-    if is_steered and is_free and not turns:  # Without a propeller a force keeps the ship's speed
-        sought = ("X",)
+    motion, moved = LocalMotion(ship, water, fixed), {**movers, **_revolutions_ahead(ship.model, u, given)}
+    bend, v = water.curvature / (1 - water.curvature * y), np.zeros(len(y))
+    if is_steered:
+        known = {**fixed, **forces, **moved, "path_curvature": bend, "current": water.current}
+        v, moved["rudder"] = solve_courses(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
+    psi = 0.0 - np.arctan(v / u)
+    speed_along = u * np.cos(psi) - v * np.sin(psi) + water.current
+    found = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * speed_along, **moved, **dict.fromkeys(sought, 0.0)}
+    found |= {**forces, "current": water.current, "curvature": water.curvature}
+    course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in found.items()}
     if sought:
-        rows = [MOVED.index(name) for force, name in zip("XYN", ("u", "v", "r"), strict=True) if force in sought]
+        rows = [MOVED.index(rate) for rate in sought.values()]
         slopes, rates = motion.slopes(course), motion.rates(course)
         matrix = np.stack([slopes[name][:, rows] for name in sought], axis=-1)
-        residual_rates = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
+        residual_rates = np.stack([np.broadcast_to(rates[name], y.shape) for name in sought.values()], axis=-1)
         course |= dict(zip(sought, -np.linalg.solve(matrix, residual_rates[..., None])[..., 0].T, strict=True))
     return motion, course
 
@@ -245,21 +234,6 @@ def _revolutions_ahead(model: Model, u: np.ndarray, given: Mapping[str, float]) 
         return {"revolutions": np.full(len(u), given["revolutions"])}
     speeds, index = np.unique(u, return_inverse=True)
     return {"revolutions": np.array([self_propulsion(model, float(speed)) for speed in speeds])[index]}
-
-
-def _revolutions_step(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
-    """Return Newton's step of the revolutions towards a steady speed, with drift and rudder free."""
-    slopes, free = motion.slopes(course), [MOVED.index(name) for name in ("u", "v", "r")]
-    u, v = course["u"], course["v"]
-    # On a course there is no sway over the ground: psi = -arctan(v / u).
-    by_drift = slopes["v"] - slopes["psi"] * (u / (u**2 + v**2))[:, None]
-    matrix = np.stack([column[:, free] for column in (slopes["revolutions"], by_drift, slopes["rudder"])], axis=-1)
-    rates = motion.rates(course)
-    residual = np.stack(np.broadcast_arrays(*(rates[name] for name in ("u", "v", "r"))), axis=-1)
-    known = np.isfinite(matrix).all(axis=(1, 2))
-    change = np.full(len(u), np.nan)
-    change[known] = -np.linalg.solve(matrix[known], residual[known, :, None])[:, 0, 0]
-    return change
 
 
 def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSystem:

@@ -42,8 +42,6 @@ LEAST_CLEARANCE, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
 RESERVE, RETURNING = 0.7, 20.0
 # Distance in which the estimate of an external force comes two thirds of the way [ship lengths].
 PUSH_LENGTHS = 0.3
-# Uncertainty of the bank's force: largest share of the way to a bank, and number of places.
-FURTHEST, SHARES = 0.9, 61
 # Steady courses: places per ship length, largest number, and offsets from the requested one to the middle.
 PLACES_A_LENGTH, MOST_PLACES, WAYS = 2, 4000, 9
 # Relative change of speed that triggers new steady courses [1].

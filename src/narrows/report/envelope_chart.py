@@ -170,12 +170,9 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
     limit, reserve = float(np.degrees(envelope.data.attrs["rudder_limit"])), envelope.data.attrs["reserve"]
     data = envelope.data
     sailed = np.flatnonzero(data["clear"].to_numpy() | ~data["clear"].to_numpy().any())
-    ends = np.unique(sailed[[0, -1]])[:: -1 if envelope.speed_free else 1]
-    for shade, style, index in zip(
-        (0.15, 0.0, 0.0, 0.0), DASHES, ends[: 1 if envelope.speed_free else None].tolist(), strict=False
-    ):
+    for shade, style, index in zip((0.15, 0.0), DASHES, np.unique(sailed[[0, -1]]).tolist(), strict=False):
         here = data.isel(u=index)
-        label = "at every speed" if envelope.speed_free else f"at {float(here['u']) / KNOT:.1f} knots"
+        label = f"at {float(here['u']) / KNOT:.1f} knots"
         band, edge = here.isel(y=np.isfinite(here["rudder"].to_numpy())), 1.2 * limit
         low, high = (
             np.nan_to_num(np.degrees(band[name].to_numpy()), nan=end, posinf=edge, neginf=-edge)
@@ -266,10 +263,7 @@ OFFSET_COLUMNS = {
     "safe, known ship [kn]": "{highest_speed_known:.1f}", "50 % of cases [kn]": "{highest_speed_median:.1f}",
     "limited by": "{limited_by}",
 }  # fmt: skip
-SPEED_COLUMNS = {
-    "speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clearance:.2f}{mark}",
-    "safest offset [m]": "{safest_offset:+.1f}",
-}  # fmt: skip
+SPEED_COLUMNS = {"speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clearance:.2f}{mark}"}
 RULE_COLUMNS = {
     "rule": "{rule}{mark}", "at [kn]": "{speeds}", "offsets it leaves [m]": "{left}",
     "speed limit [kn]": "{speed_limit:.2f}", "of choking": "{of_choking:.0%}", "rudder [deg]": "{rudder:g}",

@@ -265,9 +265,8 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
 
 @accept_aliases
 def speed_limits(
-    model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = settings.RESERVE,
-    **envelope: Any,
-) -> list[tuple[float, float]]:  # fmt: skip
+    model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, **envelope: Any
+) -> list[tuple[float, float]]:
     """Find the highest safe speed of some sections of a waterway, for a speed governor: pairs of x [m], speed [m/s].
 
     Raises an InputError if no speed is safe at a place, or there is none.
@@ -282,8 +281,6 @@ def speed_limits(
         Places along it, rising; each section is assumed constant to the next.
     y : float [m]
         Offset to starboard of the line.
-    reserve : float [1]
-        Rudder in reserve on the steady course (in a bend on the steady turn), for 95 % of the samples.
     **envelope : Any
         Options of ``safe_envelope``.
     """
@@ -295,8 +292,7 @@ def speed_limits(
     limits = []
     for place in map(float, places):
         reach = reach_at(model, waterway, place)
-        asked = {"reserve": reserve, **reach.asked, **envelope}
-        there = safe_envelope(reach.model, np.array([y - reach.middle]), **asked)
+        there = safe_envelope(reach.model, np.array([y - reach.middle]), **{**reach.asked, **envelope})
         top = float(there.highest_speed()[0])
         if not np.isfinite(top):
             why = there.untested or there.limited_by()[0]

@@ -1,6 +1,5 @@
 """Pilots of the envelope, by name; none has the coefficients of the drawn ship."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -176,17 +175,6 @@ class Helmsman(BaseSummary):
     psi: Any = 0.0  # Assumed steady heading there [rad]
     delay: float = DELAY  # Time between observations, and from an order to its execution [s]
     cap_deg: float = CAP_DEG  # Largest ordered rudder, to 63 [deg]
-
-    def __post_init__(self) -> None:
-        if len(self.gains) != 3:
-            raise InputError(f"a helmsman has three gains, for y, psi and r; these are {len(self.gains)}")
-        for number in (self.y, *self.gains, self.trim, self.rudder, self.psi):
-            if not np.isfinite(number).all():
-                raise InputError(f"a helmsman with {number} steers nothing; give finite numbers")
-        if not 0 <= self.delay < math.inf or not 1 <= self.cap_deg <= 63:
-            raise InputError(
-                f"a delay of {self.delay} s and a cap of {self.cap_deg} degrees: give seconds from 0, and 1 to 63"
-            )
 
     def summary(self) -> str:
         return f"y = {self.y}, a look every {self.delay:g} s, whole degrees to {self.cap_deg:g}"

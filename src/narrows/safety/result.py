@@ -16,7 +16,7 @@ from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
 from narrows.safety.headline import RANGE, cause, headline, runs, safe_by
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import EnvelopeRequest, Keel
-from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SHIP_LENGTH, SURE_SHARE
+from narrows.safety.settings import SHIP_LENGTH, SURE_SHARE
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -142,25 +142,6 @@ class SafeEnvelope(BaseResult):
             found.append(RANGE if fastest else cause(self.data.isel(y=index, u=above), SURE_SHARE, limit))
         return found
 
-    def safest_offset(self) -> xr.DataArray:
-        """Return at each speed the safe offset [m] with the least rudder, NaN if there is none.
-
-        Among equals it is the one nearest to the middle.
-        """
-        need = self.data["rudder_95"].where(self.safe(), np.inf).transpose("u", "y").to_numpy()
-        offsets, (port, starboard) = self.data["y"].to_numpy(), self.walls
-        aside, least = np.abs(offsets - (starboard - port) / 2), need.min(axis=1)
-        nearest = np.where(need <= least[:, None] + LEAST_ANGLE, aside, np.inf).argmin(axis=1)
-        safest = np.where(np.isfinite(least), offsets[nearest], np.nan)
-        return xr.DataArray(safest, coords={"u": self.data["u"]}, dims="u", attrs={"units": "m"})
-
-    @property
-    def speed_free(self) -> bool:
-        """True if the steady rudder is the same at every speed, as if all forces are proportional to its square."""
-        rudder = self.data["rudder"].transpose("y", "u").to_numpy()
-        telling = rudder[np.isfinite(rudder).all(axis=1) & (np.abs(rudder) > LEAST_ANGLE).all(axis=1)]
-        return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME_ANGLE)
-
     def summary(self) -> str:
         return " ".join(filter(None, (self.answer, *self.limits, self.trust)))
 
@@ -195,11 +176,9 @@ class SafeEnvelope(BaseResult):
         return _rows(columns | {"limited_by": self.limited_by()})
 
     def speed_rows(self) -> list[dict[str, Any]]:
-        """Return one row per speed [knots]: clearance under the keel [m], and the safest offset [m]."""
-        return _rows({
-            "speed": self.data["u"] / KNOT, "keel_clearance": self.data["clearance"],
-            "keel_clear": self.data["clear"], "safest_offset": self.safest_offset(),
-        })  # fmt: skip
+        """Return one row per speed [knots]: clearance under the keel [m], and whether all allows it."""
+        columns = {"keel_clearance": self.data["clearance"], "keel_clear": self.data["clear"]}
+        return _rows({"speed": self.data["u"] / KNOT, **columns})
 
     def _speeds(self, safe: xr.DataArray, end: int) -> xr.DataArray:
         speeds = self.data["u"].to_numpy()
@@ -226,11 +205,6 @@ def with_caveats(data: xr.Dataset, request: EnvelopeRequest, under: Keel, sample
     rules = outside_rules(configuration, request.bank, request.walls)
     words = (configuration.ship.in_words, configuration.canal.in_words, request.bend.words)
     notes = envelope_notes(request, under)
-    if SafeEnvelope(data).speed_free:
-        notes.append(
-            "every force of these terms is proportional to the square of the speed, so the steady rudder is the same "
-            "at any speed: except for squat and choking, nothing makes a fast ship harder to hold"
-        )
     # [m/s] and [m], if the tests give them.
     ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
     rests_on = {

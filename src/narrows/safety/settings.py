@@ -24,6 +24,4 @@ FIRST_SAMPLES = 400  # default; doubled until the edge is determined
 MOST_SAMPLES = 6400  # upper limit
 # The result
 SURE_SHARE = 0.95  # [1] of the cases that must be controllable for a safe place
-SAME_ANGLE = 1e-6  # [rad] rudder angles closer than this are equal
-LEAST_ANGLE = 1e-4  # [rad] least rudder angle that is reported
 SHIP_LENGTH = 30.0  # [m] a shorter hull counts as a model

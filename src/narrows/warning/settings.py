@@ -3,16 +3,17 @@
 import math
 
 # Alerts. Times of IEC 62923-1:2018 where it has one.
+# [s] to act, below which each level begins: about 2, 7 and 10 false alerts in 100 h (decisions/warning_scores.py)
+LEVELS = {"alarm": 30.0, "warning": 60.0, "caution": 90.0}
 SILENCE = 30.0  # [s] a silenced alert sounds again after this time (IEC 62923-1)
 REPEAT_AFTER = 60.0  # [s] an alert that nobody acknowledges sounds anew after this time
 MOST_REPEATS = 9  # repeats that are counted: the field of ALF has one digit
-HOLD_TIME = 10.0  # [s] a condition of noisy sensors is shown this long after it last held
+HOLD_TIME = 10.0  # [s] a refused or drifting sensor and another draft or depth are shown this long
 HYSTERESIS = 0.7  # [1] a level ends where the time to act is longer than its threshold over this share
 RAISE_DELAY = 2.0  # [s] a shorter time to act than a threshold for this long raises the level
 LOWER_DELAY = 10.0  # [s] a longer time to act for this long lowers the level
 DISK_TIMEOUT = 0.5  # [s] an alert waits this long for the disk, and is then published unlogged
 DISK_RETRY = 1.0  # [s] a disk that failed is tried again after this time
-LOG_QUEUE = 100_000  # rows that wait for a disk; then the oldest are lost, which breaks the chain and shows
 HEARTBEAT = 60.0  # [s] between heartbeats, as the sentence HBT states it
 LIST_INTERVAL = 30.0  # [s] between lists of alerts (ALC)
 # Forecasts
@@ -75,7 +76,6 @@ DEPTH_TOLERANCE = 0.1  # [1] of the depth: echo sounder and waterway may differ 
 SENSOR_SILENCE = 3.0  # [s] a needed sensor that is silent this long is a caution
 BLIND_AFTER = 10.0  # [s] a needed sensor that is silent this long ends the forecasts
 OTHER_SENSOR_SILENCE = 10.0  # [s] the same of a sensor that is not needed: a caution
-DOUBT_HOLD_TIME = 10.0  # [s] a refused or drifting sensor is shown this long
 NEAR_MISS = 20.0  # [m] less water beside the hull is a near miss, and never "clear"
 CONTACT_CLEARANCE = 5.0  # [m] counts as contact, as in scores: positions are no more accurate
 MOST_SECONDS = 86_400  # [s] of a watch that are kept: a day; the log of alerts has the rest

@@ -16,7 +16,7 @@ from narrows.control.linearization import MOVED as RATES
 from narrows.control.linearization import LocalWater, steady_courses
 from narrows.control.predictive import plan_loops
 from narrows.control.regulator import RegulatorWeights
-from narrows.control.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
+from narrows.control.settings import MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, WAYS
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway.centreline import check_along_only
@@ -58,13 +58,8 @@ class WaterAhead:
         return self.step * (len(self.nodes) - 1)
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
-        rows, _ = compiled_loops(plan_loops).interpolate(self.nodes, 0.0, self.step, x)
+        rows = compiled_loops(plan_loops).interpolate(self.nodes, self.step, x)
         return dict(zip(COLUMNS, rows.T, strict=True))
-
-
-def share_of(y: np.ndarray, there: dict[str, np.ndarray]) -> np.ndarray:
-    """Return places between the walls: -1 at the port one, 1 at the starboard one."""
-    return np.asarray((y - there["middle"]) / (there["width"] / 2))
 
 
 def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
@@ -87,64 +82,11 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     return WaterAhead(np.stack(columns, axis=1), table.step)
 
 
-# Longest gap between two orders [time constants of the estimate]: keeps its gain below 1.
-LONGEST_GAP = 5.0
-
-
-@dataclass(frozen=True)
-class BankSpread:
-    """Uncertainty of the bank's force and moment, by the place between the banks."""
-
-    furthest: float  # Range of the table, from the middle, 0, to the wall, 1; constant beyond it
-    # (n, 2) One standard deviation, positive for a stronger suction, at equal steps from port to starboard [N, N m]
-    forces: np.ndarray
-
-    def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return force and moment at places between the banks, and their derivatives, (places, 2) each."""
-        step = 2 * self.furthest / (len(self.forces) - 1)
-        forces, slopes = compiled_loops(plan_loops).interpolate(self.forces, -self.furthest, step, share)
-        return forces, slopes
-
-
-@dataclass(frozen=True)
-class Push:
-    """Estimate of an external force: a constant sway force and yaw moment, and an error of the bank's strength."""
-
-    # The error of the bank, scaled by the covariance of the coefficients, grows with the offset and changes sign with
-    # it; the constant part does not.
-    steady: np.ndarray  # (2,) Constant sway force and yaw moment [N, N m]
-    strength: np.ndarray  # (2,) Excess of the bank's force and moment over the model's [standard deviations]
-    spread: BankSpread  # The standard deviations
-    uncertainty: np.ndarray  # (3, 2) Variances of the constant part and of the strength, and their covariance
-    noise: np.ndarray  # (2,) Variance of the residual between two steps [N2, N2 m2]
-
-    def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the force and moment at places between the banks, and their derivative, (places, 2) each [N, N m]."""
-        forces, slopes = self.spread.at(share)
-        return self.steady + self.strength * forces, self.strength * slopes
-
-
-def no_push(spread: BankSpread) -> Push:
-    return Push(np.zeros(2), np.zeros(2), spread, np.outer([0.0, 1.0, 0.0], np.ones(2)), np.zeros(2))
-
-
-def update_push(push: Push, residual: np.ndarray, share: float, elapsed: float, time: float) -> Push:
-    """Return the estimate after another residual: a Kalman filter of a random walk and a constant, each axis alone."""
+def update_push(push: np.ndarray, residual: np.ndarray, elapsed: float, time: float) -> np.ndarray:
+    """Return the estimate of an external force and moment (2,) [N, N m] after another residual: a low-pass filter."""
     # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
-    # Process Control 12(5), 617-632. The noise is estimated from the residual; the random walk alone would give the
-    # filter the requested gain, q = R gain^2 / (1 - gain).
-    if not np.isfinite(residual).all():
-        return push
-    gain = -math.expm1(-min(elapsed / time, LONGEST_GAP))
-    slope, (walk, constant, both) = push.spread.at(np.array([share]))[0][0], push.uncertainty
-    noise = np.where(push.noise > 0, push.noise + gain * (residual**2 - push.noise), residual**2)
-    walk = walk + noise * gain**2 / (1.0 - gain)
-    seen = np.stack([walk + slope * both, both + slope * constant])
-    total = seen[0] + slope * seen[1] + noise
-    weights = np.divide(seen, total, out=np.zeros((2, 2)), where=noise > 0)
-    left = walk - weights[0] * seen[0], constant - weights[1] * seen[1], both - weights[0] * seen[1]
-    steady, strength = weights * residual
-    return Push(push.steady + steady, push.strength + strength, push.spread, np.stack(left), noise)
+    # Process Control 12(5), 617-632: the Kalman filter of a random walk has a constant gain.
+    return push - math.expm1(-elapsed / time) * residual if np.isfinite(residual).all() else push
 
 
 # Gains of the best linear helm (5,), and the infinite-horizon cost matrix of a deviation, (5, 5).
@@ -162,17 +104,15 @@ class SteadyTrack:
     slopes: np.ndarray  # (ways, n, 5, 5) Derivatives of the rates of the state by the state
     # (ways, n) True if there is a steady course; otherwise the next one nearer to the middle is used
     known: np.ndarray
-    shares: np.ndarray  # (ways, n) Places between the banks, from -1 to 1
     limit: float  # Limit of the rudder [rad]
 
     def nearest(self, x: float) -> int:
         return round(min(max(0.0, x / float(self.places[1])), len(self.places) - 1))
 
-    def held(self, x: float, push: Push, most: float) -> float:
+    def held(self, x: float, push: np.ndarray, most: float) -> float:
         """Return the share of the way to the middle, 0 to 1, at which the rudder angle ``most`` holds the ship."""
         place = self.nearest(x)
-        pushed, _ = push.at(self.shares[:, place])
-        asked = np.abs(self.states[:, place, RUDDER] + (self.by_push[:, place, RUDDER] * pushed).sum(axis=-1))
+        asked = np.abs(self.states[:, place, RUDDER] + self.by_push[:, place, RUDDER] @ push)
         asked[~self.known[:, place]] = np.inf
         enough = asked <= most
         first = int(enough.argmax() if enough.any() else asked.argmin())
@@ -182,14 +122,14 @@ class SteadyTrack:
         part = (more - most) / (more - less) if np.isfinite(more) else 1.0
         return (first - 1 + float(part)) / (WAYS - 1)
 
-    def at(self, x: np.ndarray, push: Push, way: float = 0.0) -> np.ndarray:
+    def at(self, x: np.ndarray, push: np.ndarray, way: float = 0.0) -> np.ndarray:
         """Return the steady states at places under an external force and moment, (places, 5)."""
         row = min(int(way * (WAYS - 1)), WAYS - 2)
         part = way * (WAYS - 1) - row
         states = self.states[row] + part * (self.states[row + 1] - self.states[row])
         nearest = round(way * (WAYS - 1)), self.nearest(float(x[0]))
-        there: np.ndarray = compiled_loops(plan_loops).interpolate(states, 0.0, self.places[1], x)[0]
-        there += self.by_push[nearest] @ push.at(self.shares[nearest][None])[0][0]
+        there: np.ndarray = compiled_loops(plan_loops).interpolate(states, self.places[1], x)
+        there += self.by_push[nearest] @ push
         there[:, RUDDER] = np.clip(there[:, RUDDER], -self.limit, self.limit)
         return there
 
@@ -211,7 +151,6 @@ class CourseAhead:
         self.positions, self.weights, self.interval = dict(positions), weights, interval
         self._start(u)
         self._usual = self._regulated(self.narrowest)
-        self.spread = self._spread()
 
     def _start(self, u: float) -> None:
         self.track = steady_track(self.ship, self.water, self.y, u, self.margin, self.positions)
@@ -265,23 +204,6 @@ class CourseAhead:
         at = {"y": y - there["middle"][0], "psi": psi, "u": self.speed, "v": v, "r": r, "rudder": rudder}
         return self.ship.linearisation(values).coefficients({**at, **self.positions})
 
-    def _spread(self) -> BankSpread:
-        """Uncertainty of the bank's forces by the covariance, at the place with the least clearance."""
-        model, place = self.ship.model, self.narrowest
-        there = self.water.at(self.track.places[place : place + 1])
-        half, beam = float(there["width"][0]) / 2, model.configuration.ship.beam
-        most = (half - beam / 2) / half
-        furthest = FURTHEST * most
-        from_bank = [k for k, term in enumerate(model.terms.terms) if term.from_bank]
-        if model.covariance is None or not from_bank:
-            return BankSpread(furthest, np.zeros((SHARES, 2)))
-        states = np.zeros((SHARES, 5))
-        states[:, 0] = np.linspace(-furthest, furthest, SHARES) * half + there["middle"][0]
-        by_coefficient = self._by_coefficient(place, states)[:, 4:, from_bank]
-        forces = self.track.force_of[0, place] @ by_coefficient
-        variance = np.einsum("nfp,pq,nfq->nf", forces, model.covariance[np.ix_(from_bank, from_bank)], forces)
-        return BankSpread(furthest, np.sqrt(np.maximum(variance, 0.0)) * np.sign(forces.sum(axis=2)))
-
 
 def steady_track(
     ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float, positions: Mapping[str, float]
@@ -324,7 +246,7 @@ def steady_track(
     parts = (by_push, np.linalg.inv(by_force[:, 1:]), slopes)
     by_push, force_of, slopes = (part.reshape(WAYS, count, *part.shape[1:]) for part in parts)
     limit = ship.model.configuration.gear.limit
-    return SteadyTrack(places, states, by_push, force_of, slopes, known, share_of(states[:, :, 0], there), limit)
+    return SteadyTrack(places, states, by_push, force_of, slopes, known, limit)
 
 
 def margins_of(

@@ -3,21 +3,16 @@
 import numpy as np
 
 
-def interpolate(table: np.ndarray, first: float, step: float, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return values and slopes at x of columns, linear between equal steps from the first, constant beyond the ends."""
-    last = len(table) - 1
-    values, slopes = np.empty((len(x), table.shape[1])), np.empty((len(x), table.shape[1]))
+def interpolate(table: np.ndarray, step: float, x: np.ndarray) -> np.ndarray:
+    """Return values at x of columns, linear between equal steps from 0 on, constant beyond the ends."""
+    last, values = len(table) - 1, np.empty((len(x), table.shape[1]))
     for row in range(len(x)):
-        position = (x[row] - first) / step
-        inside = 0.0 < position < last
-        if not inside:  # NaN stays NaN
-            position = 0.0 if position <= 0.0 else 1.0 * last if position >= last else position
+        position = min(max(x[row] / step, 0.0), 1.0 * last) if x[row] == x[row] else x[row]  # NaN stays NaN
         cell = min(int(position), last - 1) if position > 0.0 else 0
         for column in range(table.shape[1]):
             rise = table[cell + 1, column] - table[cell, column]
             values[row, column] = table[cell, column] + (position - cell) * rise
-            slopes[row, column] = rise / step if inside else 0.0
-    return values, slopes
+    return values
 
 
 def condensed(A: np.ndarray, B: np.ndarray, defects: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,17 +14,14 @@ from narrows.control import settings
 from narrows.control.linearization import along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import (
-    FORCED,
     HELD,
     MOTION,
     MOVED,
     RUDDER,
     SECTION,
-    Push,
     WaterAhead,
     Weights,
     over_interval,
-    share_of,
 )
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import ShipLanes
@@ -70,7 +67,7 @@ class RudderPlan:
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
         """Return the plan a share of an interval later, with places along the line relative to the ship."""
         nodes = np.column_stack([self.x, self.states, np.append(self.rates, 0.0)])
-        table, _ = compiled_loops(plan_loops).interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)
+        table = compiled_loops(plan_loops).interpolate(nodes, 1.0, np.arange(len(nodes)) + share)
         places, states, rates = table[:, 0].copy(), table[:, 1:-1].copy(), table[:-1, -1].copy()
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
@@ -133,27 +130,20 @@ class Planner:
         return RudderPlan(places, states, np.zeros(horizon.intervals))
 
     def improve(
-        self, plan: RudderPlan, speed: float, push: Push, reference: Reference, beyond: np.ndarray, seconds: float = 0.0
+        self, plan: RudderPlan, speed: float, push: np.ndarray, reference: Reference, beyond: np.ndarray
     ) -> RudderPlan | None:  # fmt: skip
         """Return the plan after a step of sequential quadratic programming; None if the program has no solution."""
         interval, nodes = self.horizon.interval, plan.states.copy()
-        water = self.water.at(plan.x)
-        there, ends = ({name: column[part] for name, column in water.items()} for part in (np.s_[:-1], np.s_[1:]))
-        nodes[1:] = self._within_domain(ends, nodes[1:], speed)
-        plan = replace(plan, states=nodes)
-        pushes, by_share = push.at(share_of(plan.states[:-1, 0], there))
+        nodes[1:] = self._within_domain(self.water.at(plan.x[1:]), nodes[1:], speed)
+        plan, pushes = replace(plan, states=nodes), np.tile(push, (self.horizon.intervals, 1))
         end, reached = predict(
             self.lanes, plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval, self.positions
         )
-        slopes, by_force = self._slopes(plan, end, reached, speed)
-        A, integral = over_interval(slopes, interval)
-        # The external force of an interval is that of the place where it begins.
-        by_place = by_force @ (by_share * (2.0 / there["width"])[:, None])[:, :, None]
-        A[:, :, 0] += (integral[:, :, FORCED] @ by_place)[:, :, 0]
+        A, integral = over_interval(self._slopes(plan, end, reached, speed), interval)
         e, G = compiled_loops(plan_loops).condensed(A, integral[..., RUDDER], reached - plan.states[1:])
         x = np.append(plan.x[0], plan.x[0] + np.cumsum(end - plan.x[:-1]))
         program = self._program(replace(plan, x=x), e, G, reference(x)[1:], beyond)
-        z = solve_program(program, seconds)
+        z = solve_program(program)
         if z is None:
             return None
         states = plan.states.copy()
@@ -172,10 +162,8 @@ class Planner:
         limited[:, 2:4] = np.clip(states[:, 2:4], -most, most)
         return limited
 
-    def _slopes(
-        self, plan: RudderPlan, end: np.ndarray, reached: np.ndarray, speed: float
-    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Derivatives in the middle of each interval: of all rates by the state, of the forced ones by a push."""
+    def _slopes(self, plan: RudderPlan, end: np.ndarray, reached: np.ndarray, speed: float) -> np.ndarray:
+        """Derivatives of the rates by the state in the middle of each interval."""
         x = (plan.x[:-1] + end) / 2
         there = self.water.at(x)
         middle = self._within_domain(there, (plan.states[:-1] + reached) / 2, speed)
@@ -187,7 +175,7 @@ class Planner:
         linear = along_line(jacobians, {**at, **line, "y": y})
         slopes = np.zeros((len(x), len(HELD), len(HELD)))
         slopes[:, : len(MOVED)] = linear[:, MOVED][:, :, [*MOVED, len(LINEARISED) + 3]]
-        return slopes, linear[:, MOVED[2:], len(LINEARISED) + 1 : len(LINEARISED) + 3]
+        return slopes
 
     def _program(
         self, plan: RudderPlan, e: np.ndarray, G: np.ndarray, reference: np.ndarray, beyond: np.ndarray
@@ -219,8 +207,8 @@ def program_of(
     return QuadraticProgram(H, f, A, lower, upper)
 
 
-def solve_program(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
-    """Solve by DAQP: z, or None if it finds no solution in time."""
+def solve_program(program: QuadraticProgram) -> np.ndarray | None:
+    """Solve by DAQP: z, or None if it finds no solution."""
     # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
     # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
     with needs("control", "a predictive helm"):
@@ -228,9 +216,8 @@ def solve_program(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray
     if not math.isfinite(program.H.sum() + program.f.sum() + program.rows.sum() + program.upper.sum()):
         return None
     z, _, flag, _ = daqp.solve(
-        program.H, program.f, program.rows, program.upper, program.lower, None,
-        iter_limit=settings.MOST_ITERATIONS, time_limit=seconds,
-    )  # fmt: skip
+        program.H, program.f, program.rows, program.upper, program.lower, None, iter_limit=settings.MOST_ITERATIONS
+    )
     return z if flag > 0 and np.isfinite(z).all() else None
 
 

@@ -18,9 +18,6 @@ from narrows.control.predictive.course_ahead import (
     MOTION,
     RUDDER,
     CourseAhead,
-    Push,
-    no_push,
-    share_of,
     update_push,
     water_ahead,
     weights_of,
@@ -69,9 +66,8 @@ class VoyageOrders:
     course: CourseAhead  # The course to hold
     observer: ShipLanes  # Predicts the state for comparison
     push_time: float  # Time constant of the force estimate [s]
-    seconds: float  # Time limit of a plan; 0 for none [s]
     gear: SteeringGear  # Gear that follows the orders
-    push: Push = field(init=False)  # Estimated external force
+    push: np.ndarray = field(init=False)  # (2,) Estimated external force and moment [N, N m]
     plan: RudderPlan | None = field(init=False, default=None)
     way: float = field(init=False, default=0.0)  # From the offset, 0, to the middle, 1
     without_plan: int = field(init=False, default=0)  # Number of orders by the best linear helm
@@ -84,7 +80,7 @@ class VoyageOrders:
         t, *numbers = (math.nan if number is None else number for number in (t, *state))
         state = VoyageState(*numbers)
         if self._seen is None or t < self._seen.t or t - self._seen.t > self.planner.horizon.time:
-            self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
+            self.plan, self._seen, self.push, self.way = None, None, np.zeros(2), 0.0
             self._order = math.nan
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - TIME_TOLERANCE):
             return self._order  # also if the time is NaN
@@ -101,8 +97,7 @@ class VoyageOrders:
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
             force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
             missing = force_of @ (seen.state - expected.state)[FORCED] / elapsed
-            share = float(self._share(np.array([seen.x]), seen.state[0])[0])
-            self.push = update_push(self.push, missing, share, elapsed, self.push_time)
+            self.push = update_push(self.push, missing, elapsed, self.push_time)
         if not math.isfinite(self._order):
             self._order = float(seen.state[RUDDER])
             self._stages = [self._order] * STAGES
@@ -142,13 +137,9 @@ class VoyageOrders:
 
     def _predicted(self, seen: Seen, turned: float, time: float) -> Seen:
         x, states = np.full(2, seen.x), np.tile(seen.state, (2, 1))  # One lane alone would share its inputs
-        push, _ = self.push.at(self._share(x, seen.state[0]))
-        rates, positions = np.full(2, turned / time), self.planner.positions
+        rates, push, positions = np.full(2, turned / time), np.tile(self.push, (2, 1)), self.planner.positions
         places, after = predict(self.observer, x, states, seen.speed, rates, push, time, positions)
         return Seen(seen.t + time, float(places[0]), seen.speed, after[0])
-
-    def _share(self, x: np.ndarray, y: float) -> np.ndarray:
-        return share_of(np.full(len(x), y), self.course.water.at(x))
 
     def _rate(self, seen: Seen, elapsed: float) -> float:
         """Return the rate of the rudder from now on, by a plan or by the best linear helm."""
@@ -162,7 +153,7 @@ class VoyageOrders:
         else:
             plan, rounds = self.plan.from_here(seen.x, seen.state, elapsed / self.planner.horizon.interval), 1
         for _ in range(rounds):
-            better = self.planner.improve(plan, seen.speed, self.push, reference, beyond, self.seconds)
+            better = self.planner.improve(plan, seen.speed, self.push, reference, beyond)
             if better is None:
                 self.plan, self.without_plan = None, self.without_plan + 1
                 return float(np.nan_to_num(-gains @ (seen.state - reference(np.array([seen.x]))[0])))
@@ -179,7 +170,7 @@ class PredictiveHelm(BaseSummary):
     At every step it predicts the motion by the ship's own equations, takes their exact derivatives, and solves a
     quadratic program for the rudder rates ahead: within the limits of the gear, clear of both banks, towards the steady
     course for bends and narrowings. It estimates an unexplained force, so that no steady error stays. If the program
-    has no solution in time, the best linear helm about the same course steers. It is for single voyages:
+    has no solution, the best linear helm about the same course steers. It is for single voyages:
     ``simulate(model, ..., controller=helm)``.
 
     Source: Diehl, Bock and Schloeder (2005), A real-time iteration scheme for nonlinear optimization in optimal
@@ -196,20 +187,19 @@ class PredictiveHelm(BaseSummary):
     horizon: float | None = None  # Length of plans [s]; the time of 2.4 ship lengths unless given
     intervals: int = INTERVALS  # Number of intervals of a plan, each with one rudder rate
     revolutions: float | None = None  # Propeller revolutions [1/s]; those that keep the speed unless given
-    seconds: float = 0.0  # Time limit of a plan's program [s]; 0 for none
     weights: RegulatorWeights = DEFAULT_WEIGHTS  # Weights of offset, heading, rudder and stroke time in a plan
 
     def __post_init__(self) -> None:
         check_rudder(self.model)
         check_waterway(self.waterway)
-        given = {name: getattr(self, name) for name in ("y", "u", "confidence", "seconds", "margin", "revolutions")}
+        given = {name: getattr(self, name) for name in ("y", "u", "confidence", "margin", "revolutions")}
         finite_numbers(**{name: value for name, value in given.items() if value is not None})
         if not self.u > 0:
             raise InputError(f"u = {self.u:g} m/s: a rudder steers nothing without way; give a speed over 0")
         if not 0.5 <= self.confidence < 1:
             raise InputError(f"confidence = {self.confidence:g} must be a share from 0.5 to less than 1")
-        if self.seconds < 0 or (self.margin is not None and self.margin < 0):
-            raise InputError("margin and seconds must not be negative")
+        if self.margin is not None and self.margin < 0:
+            raise InputError("margin must not be negative")
         if self.revolutions is not None and not self.model.terms.propelled:
             raise InputError("revolutions change nothing here: this model has no terms of a propeller; leave them out")
         ship, canal = self.model.configuration.ship, self.model.configuration.canal
@@ -249,4 +239,4 @@ class PredictiveHelm(BaseSummary):
         planner = Planner(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = ShipLanes(ship, MOTION, 2, self.waterway, pushed=True, endless=True)
         gear = self.model.configuration.gear
-        return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
+        return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, gear)

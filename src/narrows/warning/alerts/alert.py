@@ -10,24 +10,25 @@ Source: IEC 62923-1:2018, Bridge alert management, for priorities, states and th
 import hashlib
 import json
 import math
+import re
 import sqlite3
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from pathlib import Path
-from threading import Condition as Signal
-from threading import Thread
+from queue import Queue
+from threading import Event, Thread
 from typing import Any, NamedTuple
 
 from narrows.base.errors import InputError, reason
 from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.settings import DISK_RETRY, DISK_TIMEOUT, LOG_QUEUE
+from narrows.warning.settings import DISK_RETRY, DISK_TIMEOUT
 
 MOST_REVISIONS = 99
+SAME = 1e-9  # Times that differ by less are one [s]
 
 
 class Priority(IntEnum):
@@ -64,6 +65,8 @@ class Command(Enum):
     SILENCE = "S"
 
 
+MAKER = "NRW"  # Whose alerts they are
+ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
 # States that wait for nobody: an alert whose condition ends in them is over.
@@ -138,6 +141,20 @@ class Alert:
         return replace(self, **changes, **others)  # type: ignore[arg-type]
 
 
+class AlertCommand(NamedTuple):
+    identifier: int  # Number of the alert
+    instance: int  # Instance of the alert
+    command: Command  # What
+
+
+def command_of(text: bytes) -> AlertCommand | None:
+    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us."""
+    match = ACN.match(text)
+    if match is None or match[1] not in (b"", MAKER.encode()):
+        return None
+    return AlertCommand(int(match[2]), int(match[3]), Command(match[4].decode()))
+
+
 # Hazards: one alert each, with its own state.
 class Situation(NamedTuple):
     identifier: int  # In sentences; from 10000 on they are a maker's own
@@ -168,18 +185,6 @@ class Condition(NamedTuple):
 
 
 CALM = Condition(Priority.NONE, "")
-
-
-class Hysteresis:
-    """A condition that is spoken of for a while after it last held, so that it does not come and go with noise."""
-
-    def __init__(self) -> None:
-        self._last, self._until = CALM, -math.inf
-
-    def held(self, t: float, condition: Condition) -> Condition:
-        if condition.priority:
-            self._last, self._until = condition, t + settings.HOLD_TIME
-        return self._last if t < self._until else CALM
 
 
 class AlertDesk:
@@ -218,45 +223,28 @@ class AlertDesk:
         return after
 
 
-@dataclass(frozen=True)
-class Thresholds:
-    """Levels by the time that makes the level [s]: about 10, 7 and 2 false alerts in 100 h (warning_scores.py)."""
-
-    caution: float = 90.0
-    warning: float = 60.0
-    alarm: float = 30.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.alarm <= self.warning <= self.caution < math.inf:
-            raise InputError(
-                f"caution = {self.caution}, warning = {self.warning}, alarm = {self.alarm}: give times to act [s] over "
-                "0, none longer than the one before"
-            )
-
-    def level(self, forecast: BankForecast, eased: float = 1.0) -> Priority:
-        if forecast.likely.gone and math.isfinite(forecast.likely.contact):
-            return Priority.EMERGENCY_ALARM
-        levels = (self.alarm, Priority.ALARM), (self.warning, Priority.WARNING), (self.caution, Priority.CAUTION)
-        return next((level for threshold, level in levels if forecast.level_time <= threshold / eased), Priority.NONE)
+def level_of(forecast: BankForecast, eased: float = 1.0) -> Priority:
+    if forecast.likely.gone and math.isfinite(forecast.likely.contact):
+        return Priority.EMERGENCY_ALARM
+    levels = (Priority[name.upper()] for name, time in settings.LEVELS.items() if forecast.level_time <= time / eased)
+    return next(levels, Priority.NONE)
 
 
 class BankLevel:
     """The level as it is said: raised and lowered with delay, so that nothing chatters at a threshold."""
 
-    def __init__(self, thresholds: Thresholds, level: Priority = Priority.NONE) -> None:
-        self.thresholds, self.level = thresholds, level
+    def __init__(self, level: Priority = Priority.NONE) -> None:
+        self.level = level
         self._above = self._below = math.inf
 
-    def update(self, t: float, forecast: BankForecast | None) -> Priority:
-        """Return the level after a second; the forecast is None where the hazard is another."""
-        wanted = self.thresholds.level(forecast) if forecast else Priority.NONE
-        eased = self.thresholds.level(forecast, settings.HYSTERESIS) if forecast else wanted
+    def update(self, t: float, wanted: Priority, eased: Priority) -> Priority:
+        """Return the level after a second; it is kept where ``eased``, that of longer times to act, is as high."""
         kept = max(wanted, min(self.level, eased))
         self._above = min(self._above, t) if wanted > self.level else math.inf
         self._below = min(self._below, t) if kept < self.level else math.inf
-        if t - self._above >= settings.RAISE_DELAY:
+        if t - self._above >= settings.RAISE_DELAY - SAME:
             self.level, self._above = wanted, math.inf
-        elif t - self._below >= settings.LOWER_DELAY:
+        elif t - self._below >= settings.LOWER_DELAY - SAME:
             self.level, self._below = kept, math.inf
         return self.level
 
@@ -294,9 +282,7 @@ class AlertLog:
             for last in {content["identifier"]: content for content in contents}.values()
         )
         self._last = rows[-1] if rows else LogRow(0, 0.0, "", "", NO_ROW)
-        self._waiting: deque[LogRow] = deque(maxlen=LOG_QUEUE)
-        self._written, self._closing = self._last.number, False
-        self._signal = Signal()
+        self._waiting, self._closing = Queue[tuple[LogRow, Event] | None](), Event()
         self._thread = Thread(target=self._run, daemon=True)
         self._thread.start()
 
@@ -316,9 +302,8 @@ class AlertLog:
         return self
 
     def __exit__(self, *error: object) -> None:
-        with self._signal:
-            self._closing = True
-            self._signal.notify_all()
+        self._closing.set()
+        self._waiting.put(None)
         self._thread.join(self.deadline + DISK_RETRY)
 
     def alert(self, alert: Alert) -> bool:
@@ -327,41 +312,30 @@ class AlertLog:
 
     def write(self, kind: str, content: Mapping[str, Any]) -> bool:
         """Write a row; return whether it is on disk before the deadline."""
-        with self._signal:
-            row = LogRow(self._last.number + 1, time.time(), kind, json.dumps(content, sort_keys=True), "")
-            row = self._last = row._replace(hash=_hash(self._last, row))
-            self._waiting.append(row)
-            self._signal.notify_all()
-            return self._signal.wait_for(lambda: self._written >= row.number, self.deadline)
+        row = LogRow(self._last.number + 1, time.time(), kind, json.dumps(content, sort_keys=True), "")
+        row = self._last = row._replace(hash=_hash(self._last, row))
+        self._waiting.put((row, written := Event()))
+        return written.wait(self.deadline)
 
     def _run(self) -> None:
         connection: sqlite3.Connection | None = None
-        while rows := self._due():
-            try:
-                connection = connection or self._connect()
-                with connection:
-                    connection.executemany("INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, ?)", rows)
-            except sqlite3.Error as error:
-                if connection:
-                    connection.close()
-                connection, self.trouble = None, reason(error)
-                with self._signal:
-                    if self._signal.wait_for(lambda: self._closing, DISK_RETRY):
+        while item := self._waiting.get():
+            row, written = item
+            while not written.is_set():
+                try:
+                    connection = connection or self._connect()
+                    with connection:
+                        connection.execute("INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, ?)", row)
+                    self.trouble = ""
+                    written.set()
+                except sqlite3.Error as error:
+                    if connection:
+                        connection.close()
+                    connection, self.trouble = None, reason(error)
+                    if self._closing.wait(DISK_RETRY):
                         return
-                continue
-            with self._signal:
-                while self._waiting and self._waiting[0].number <= rows[-1].number:
-                    self._waiting.popleft()
-                self._written, self.trouble = rows[-1].number, ""
-                self._signal.notify_all()
         if connection:
             connection.close()
-
-    def _due(self) -> list[LogRow]:
-        """Rows that wait; none where it closes and nothing does."""
-        with self._signal:
-            self._signal.wait_for(lambda: self._waiting or self._closing)
-            return list(self._waiting)
 
 
 def logged(path: Path) -> Iterator[LogRow]:

@@ -13,6 +13,7 @@ import numpy as np
 from narrows.base.errors import InputError
 from narrows.readers.nmea.nmea_decoder import Entry, Recording
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
+from narrows.warning.alerts.alert import AlertCommand
 from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD, SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.map_lines import projected
 from narrows.waterway.waterway import Waterway
@@ -40,7 +41,7 @@ class Tick(NamedTuple):
     t: float  # Until when [s]
     entries: Sequence[Entry]  # Messages, in order
     faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
-    commands: Sequence[bytes] = ()  # Sentences by which the bridge answers alerts (ACN)
+    commands: Sequence[AlertCommand] = ()  # By which the bridge answers alerts (ACN)
 
 
 class BridgeReadings:

@@ -19,6 +19,7 @@ from narrows.base.errors import InputError, needs, reason
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, DecodedMessage, GroupedValues, Sentence, Values, sentences
 from narrows.warning import settings
+from narrows.warning.alerts.alert import command_of
 from narrows.warning.inputs.bridge_readings import Tick
 
 
@@ -89,8 +90,8 @@ class Listening:
                 arrivals.append(other)
             decoded = ((t, self.decoder.decode(one) if isinstance(one, Sentence) else one) for t, one in arrivals)
             entries = [Entry(t, one) for t, one in decoded if one is not None]
-            commands = [one.text for _, one in arrivals if isinstance(one, Sentence) and one.kind.endswith("ACN")]
-            yield Tick(now, entries, self.faults(), commands)
+            commands = (command_of(one.text) for _, one in arrivals if isinstance(one, Sentence))
+            yield Tick(now, entries, self.faults(), [one for one in commands if one])
             due = max(due, now - settings.PERIOD) + settings.PERIOD
 
     def faults(self) -> dict[str, int]:

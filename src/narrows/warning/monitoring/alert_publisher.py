@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import count
-from threading import Condition, Event, Thread
-from typing import Any, NamedTuple
+from threading import Event, Thread
+from typing import Any
 from urllib.parse import urlsplit
 
 from narrows.base.errors import InputError, needs
@@ -22,19 +22,18 @@ from narrows.warning import settings
 from narrows.warning.alerts.alert import (
     ANSWERED,
     HOLDS,
+    MAKER,
     SITUATIONS,
     Alert,
+    AlertCommand,
     AlertDesk,
     AlertLog,
     AlertState,
-    Command,
     Priority,
-    Situation,
 )
 from narrows.warning.settings import HEARTBEAT
 
-# Integrated instrumentation; whose alerts they are.
-TALKER, MAKER = "II", "NRW"
+TALKER = "II"  # Integrated instrumentation
 # Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
 # Entries of a list in one sentence.
@@ -45,13 +44,6 @@ LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
     AlertState.RECTIFIED: "U", AlertState.TRANSFERRED: "O",
 }  # fmt: skip
-ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
-
-
-class AlertCommand(NamedTuple):
-    identifier: int  # Number of the alert
-    instance: int  # Instance of the alert
-    command: Command  # What
 
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
@@ -87,18 +79,6 @@ def arc(refused: AlertCommand, since_1970: float) -> str:
     return with_checksum(f"{TALKER}ARC,{_clock(since_1970)},{which},{refused.command.value}")
 
 
-def acn(identifier: int, instance: int, command: Command) -> bytes:
-    return with_checksum(f"{TALKER}ACN,,{MAKER},{identifier},{instance},{command.value},C").strip().encode("ascii")
-
-
-def command_of(text: bytes) -> AlertCommand | None:
-    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us."""
-    match = ACN.match(text)
-    if match is None or match[1] not in (b"", MAKER.encode()):
-        return None
-    return AlertCommand(int(match[2]), int(match[3]), Command(match[4].decode()))
-
-
 def _clock(since_1970: float) -> str:
     at = datetime.fromtimestamp(since_1970, UTC)
     return f"{at:%H%M%S}.{at.microsecond // 10_000:02d}"
@@ -111,39 +91,24 @@ def _escaped(text: str) -> str:
 
 # Notifications of Signal K (specification 1.7): all situations in one delta, so that the newest is complete.
 STATES = {
-    Priority.NONE: "normal", Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
+    Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
     Priority.EMERGENCY_ALARM: "emergency",
 }  # fmt: skip
 SOURCE = "narrows"
 
 
-def notifications(desk: AlertDesk, since_1970: float) -> dict[str, Any]:
-    return _delta({one: _value(desk[one]) for one in SITUATIONS.values()}, since_1970)
-
-
-def ended(since_1970: float) -> dict[str, Any]:
-    """Return the delta of a monitor that watches no more: nothing is alerted, and that is why."""
-    return _delta({one: _normal("The monitor has ended.") for one in SITUATIONS.values()}, since_1970)
-
-
-def _delta(values: Mapping[Situation, dict[str, Any]], since_1970: float) -> dict[str, Any]:
+def notifications(desk: AlertDesk | None, since_1970: float) -> dict[str, Any]:
+    """Return the delta of all alerts; without a desk that of a monitor that has ended: nothing is alerted any more."""
     pairs = []
-    for situation, value in values.items():
+    for situation in SITUATIONS.values():
+        value: dict[str, Any] = {"state": "normal", "method": [], "message": "" if desk else "The monitor has ended."}
+        if desk and (alert := desk[situation]).state in HOLDS:
+            methods = ["visual"] * (alert.state not in ANSWERED) + ["sound"] * alert.sounds
+            value = {"state": STATES[alert.priority], "method": methods, "message": alert.text}
         first, *others = situation.name.lower().split()
         pairs.append({"path": f"notifications.{SOURCE}.{first}{''.join(map(str.title, others))}", "value": value})
     stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": pairs}]}
-
-
-def _value(alert: Alert) -> dict[str, Any]:
-    if alert.state not in HOLDS:
-        return _normal("")
-    shown = ["visual"] if alert.state not in ANSWERED else []
-    return {"state": STATES[alert.priority], "method": shown + ["sound"] * alert.sounds, "message": alert.text}
-
-
-def _normal(message: str) -> dict[str, Any]:
-    return {"state": STATES[Priority.NONE], "method": [], "message": message}
 
 
 Send = Callable[[str], None]
@@ -206,7 +171,7 @@ class SignalKSender:
         self.address = address if parts.path.strip("/") else f"{parts.scheme}://{parts.netloc}{STREAM}"
         self._connect = connect
         self._newest: dict[str, Any] | None = None
-        self._changed, self._stop = Condition(), Event()
+        self._changed, self._stop = Event(), Event()
         self._thread = Thread(target=self._run, daemon=True)
 
     def __enter__(self) -> "SignalKSender":
@@ -214,17 +179,15 @@ class SignalKSender:
         return self
 
     def __exit__(self, *error: object) -> None:
-        with self._changed:
-            self._newest = self._newest and ended(time.time())
-            self._stop.set()
-            self._changed.notify_all()
+        self._newest = self._newest and notifications(None, time.time())
+        self._stop.set()
+        self._changed.set()
         self._thread.join(settings.LAST_MESSAGE_TIMEOUT)
 
     def send(self, desk: AlertDesk, since_1970: float) -> None:
         """Leave the alerts as they are, without waiting for anything."""
-        with self._changed:
-            self._newest = notifications(desk, since_1970)
-            self._changed.notify_all()
+        self._newest = notifications(desk, since_1970)
+        self._changed.set()
 
     def _run(self) -> None:
         from websockets.exceptions import WebSocketException
@@ -233,27 +196,18 @@ class SignalKSender:
         while not self._stop.is_set():
             try:
                 with self._connect(self.address, open_timeout=settings.OPEN_TIMEOUT) as server:
-                    for message in self._changes():
-                        if message:
-                            server.send(message)
+                    sent, ends = None, False
+                    while not ends:
+                        self._changed.clear()
+                        ends, newest = self._stop.is_set(), self._newest
+                        if newest and newest["updates"][0]["values"] != sent:
+                            server.send(to_json(newest))
+                            sent = newest["updates"][0]["values"]
                         with suppress(TimeoutError):  # A connection that is never read breaks unnoticed
                             while True:
                                 server.recv(0.0)
                         pause = settings.FIRST_PAUSE
+                        self._changed.wait(0.0 if ends else settings.READ_TIMEOUT)
             except (OSError, WebSocketException):
                 self._stop.wait(pause)
                 pause = min(2 * pause, settings.LONGEST_PAUSE)
-
-    def _changes(self) -> Iterator[str]:
-        """Return the messages for a new connection: one now, and one whenever something changes."""
-        sent: list[Any] = []
-        while not self._stop.is_set() or self._values() != sent:
-            with self._changed:
-                if self._values() == sent:
-                    self._changed.wait(settings.READ_TIMEOUT)
-                newest, values = self._newest, self._values()
-            yield to_json(newest) if values != sent else ""
-            sent = values
-
-    def _values(self) -> list[Any]:
-        return list(self._newest["updates"][0]["values"]) if self._newest else []

@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -27,19 +27,19 @@ from narrows.warning.alerts.alert import (
     OTHER_SENSORS,
     SENSORS,
     SHIP_OR_WATER,
+    AlertCommand,
     AlertDesk,
     BankLevel,
     Condition,
-    Hysteresis,
     Priority,
     Situation,
-    Thresholds,
+    level_of,
 )
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import GROUND_LOG, NEEDED, BridgeReadings, Messages, Tick
-from narrows.warning.monitoring.alert_publisher import AlertPublisher, arc, command_of
+from narrows.warning.monitoring.alert_publisher import AlertPublisher, arc
 from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
@@ -50,7 +50,6 @@ class BridgeMonitor:
     waterway: Waterway  # Waterway with its place on earth
     line: float = 0.0  # Offset to which the escape steers, to starboard of the waterway's line [m]
     antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
-    thresholds: Thresholds = field(default_factory=Thresholds)  # Times from which a forecast is urgent
     members: int = 1000  # Size of the ensemble
     publisher: AlertPublisher = field(default_factory=AlertPublisher)  # Logs and sends alerts
     live: bool = True  # True where a forecast that takes longer than a second is out of date
@@ -68,11 +67,9 @@ class BridgeMonitor:
         self.desk = AlertDesk(log.alerts if log else ())
         known = {side: self.desk[bank] for side, bank in BANKS.items()}
         self._levels = {
-            side: BankLevel(self.thresholds, alert.priority if alert.state in HOLDS else Priority.NONE)
-            for side, alert in known.items()
+            side: BankLevel(alert.priority if alert.state in HOLDS else Priority.NONE) for side, alert in known.items()
         }  # After a restart an alert is not over before a forecast was calm for as long as ever.
-        self._health = SensorHealth()
-        self._beyond = Hysteresis()
+        self._cautions = Cautions()
         self._positions: dict[str, float] = {}
         self._began: float | None = None
 
@@ -88,7 +85,7 @@ class BridgeMonitor:
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
         return self.watch(self.bridge.convert(tick), since_1970, tick.commands)
 
-    def watch(self, messages: Messages, since_1970: float, commands: Sequence[bytes] = ()) -> BridgeStatus:
+    def watch(self, messages: Messages, since_1970: float, commands: Sequence[AlertCommand] = ()) -> BridgeStatus:
         t = messages.t
         self._began = t if self._began is None else self._began
         actuators = self.estimator.filter.actuators
@@ -103,7 +100,7 @@ class BridgeMonitor:
         forecast, why = self._forecast(messages, estimate)
         conditions = self._conditions(messages, estimate, forecast, why)
         changed = []
-        for command in filter(None, map(command_of, commands)):
+        for command in commands:
             if alert := self.desk.command(t, *command):
                 changed.append(alert)
             else:
@@ -137,23 +134,22 @@ class BridgeMonitor:
         self, messages: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
     ) -> dict[Situation, Condition]:
         late = self.publisher.late
-        conditions = self._health.conditions(messages, estimate)
+        different = other_draft_or_depth(self.model, self.waterway, estimate, messages) if estimate.ready else {}
+        conditions = self._cautions.conditions(messages, estimate, different)
         conditions[LOG_LATE] = Condition(Priority.CAUTION, late) if late else CALM
         early = messages.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
-        if estimate.ready:
-            conditions[SHIP_OR_WATER] = self._beyond.held(
-                messages.t, other_draft_or_depth(self.model, self.waterway, estimate, messages)
-            )
         if forecast:  # No forecast is not a clear forecast: the alert stays as it was.
             side = forecast.side
             for name, bank in BANKS.items():
-                level = self._levels[name].update(messages.t, forecast if name == side else None)
+                wanted, eased = (level_of(forecast, ease) if name == side else Priority.NONE for ease in EASES)
+                level = self._levels[name].update(messages.t, wanted, eased)
                 text = forecast.words() if name == side else self.desk[bank].text
                 conditions[bank] = Condition(level, text) if level else CALM
         return conditions
 
 
+EASES = 1.0, settings.HYSTERESIS
 NO_BOTTOM = (
     "From {:.1f} knots the ship touches the bottom here by its squat, or chokes the section: no forecast has it."
 )
@@ -172,15 +168,15 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
     return (*extrapolation(model.data_range, known, unknown=True), *bottom)
 
 
-def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, messages: Messages) -> Condition:
-    """Return a caution where draft or depth are not those of the model and the chart."""
-    ship, said = model.configuration.ship, []
+def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, messages: Messages) -> dict[str, str]:
+    """Return in words which of draft and depth are not those of the model and the chart."""
+    ship, words = model.configuration.ship, {}
     depth = float(waterway.section(min(max(estimate["x"], 0.0), waterway.line.length)).depth)
     if messages.draft is not None and abs(messages.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
-        said.append(f"The ship reports a draft of {messages.draft:g} m; its model is of {ship.draft:g} m.")
+        words["draft"] = f"the ship reports a draft of {messages.draft:g} m; its model is of {ship.draft:g} m"
     if messages.depth is not None and abs(messages.depth - depth) > settings.DEPTH_TOLERANCE * depth:
-        said.append(f"The echo sounder reads {messages.depth:.1f} m of water; {waterway.name} has {depth:.1f} m here.")
-    return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
+        words["depth"] = f"the echo sounder reads {messages.depth:.1f} m of water; {waterway.name} has {depth:.1f} m"
+    return words
 
 
 # Quantity that each sensor of the estimator measures.
@@ -190,21 +186,28 @@ MEASURES = {
 }  # fmt: skip
 
 
-class SensorHealth:
-    def __init__(self) -> None:
-        self._doubted: dict[tuple[str, str], float] = {}
+class Cautions:
+    """Cautions on sensors, ship and water; doubts and differences are shown for a while after they last held."""
 
-    def conditions(self, messages: Messages, estimate: Estimate) -> dict[Situation, Condition]:
+    def __init__(self) -> None:
+        self._held: dict[tuple[Situation, str], tuple[float, str]] = {}  # When it last held, and in words
+
+    def conditions(
+        self, messages: Messages, estimate: Estimate, different: Mapping[str, str]
+    ) -> dict[Situation, Condition]:
         """Return a caution for each sensor that is silent or doubted, a warning where it ends the forecasts."""
         for names, words in ((estimate.refused, "jumps"), (estimate.suspects, "drifts, or is led astray")):
-            self._doubted |= {(name, words): messages.t for name in names}
-        self._doubted = {what: t for what, t in self._doubted.items() if messages.t - t < settings.DOUBT_HOLD_TIME}
-        said: dict[Situation, list[str]] = {one: [] for one in ANY_SENSOR}
+            for name in names:
+                situation = SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)
+                self._held[situation, name + words] = messages.t, f"{name} {words}"
+        self._held |= {(SHIP_OR_WATER, what): (messages.t, words) for what, words in different.items()}
+        self._held = {what: one for what, one in self._held.items() if messages.t - one[0] < settings.HOLD_TIME}
+        said: dict[Situation, list[str]] = {one: [] for one in (*ANY_SENSOR, SHIP_OR_WATER)}
         for what, age in messages.ages.items():
             if age > (settings.SENSOR_SILENCE if what in NEEDED else settings.OTHER_SENSOR_SILENCE):
                 said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
-        for name, words in self._doubted:
-            said[SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)].append(f"{name} {words}")
+        for (situation, _), (_, words) in self._held.items():
+            said[situation].append(words)
         priorities = dict.fromkeys((SENSORS[what] for what in blind(messages)), Priority.WARNING)
         return {
             one: Condition(priorities.get(one, Priority.CAUTION), "; ".join(words)) if words else CALM

@@ -17,11 +17,12 @@ from narrows.warning.alerts.alert import (
     ANY_SENSOR,
     HOLDS,
     LOG_LATE,
+    SAME,
     SHIP_OR_WATER,
     SITUATIONS,
     Alert,
+    BankLevel,
     Priority,
-    Thresholds,
 )
 from narrows.warning.forecasting.forecast import BankForecast, level_time
 from narrows.warning.settings import NEAR_MISS
@@ -265,18 +266,9 @@ def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
 # Scores of recorded transits: the time left to act when each predictor warned, and false alerts.
 # Threshold of the predictor without a model [m], by warning_scores.py.
 CLEARANCE = 20.0
-LEVELS = ("caution", "warning", "alarm")
-PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", *LEVELS)
-# Times [s] that are one; water and times that are none.
-SAME, LEAST = 1e-9, 1e-3
-
-
-@dataclass(frozen=True)
-class PredictorScore:
-    predictor: str  # With its threshold, or a level of the monitor
-    in_time: int  # Contacts before which it was raised with 10 s left to act
-    left: float  # Median time left to act when it was raised before a contact; NaN without one [s]
-    false: float  # Alerts that no contact followed, in 100 hours
+LEVELS = tuple(reversed(settings.LEVELS.items()))
+PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", *(level for level, _ in LEVELS))
+LEAST = 1e-3  # Water [m] and times [s] that are none
 
 
 @dataclass(frozen=True, repr=False)
@@ -284,7 +276,9 @@ class TransitScores(BaseSummary):
     contacts: int  # Transits with a contact
     clear: int  # Transits without one
     hours: float  # That were watched with a forecast [h]
-    rows: tuple[PredictorScore, ...]  # A predictor each
+    # By predictor, with its threshold, or level: contacts before which it was raised with 10 s left (``in_time``);
+    # median time ``left`` to act when it was raised before a contact [s]; ``false`` alerts in 100 hours
+    table: "pd.DataFrame"
     left: dict[str, tuple[float, ...]]  # By transit with a contact: time left to act when each predictor was raised [s]
     unknown: tuple[str, ...]  # Transits without a forecast
 
@@ -301,30 +295,24 @@ class TransitScores(BaseSummary):
     def summary(self) -> str:
         met = f"{self.contacts} {'transit' if self.contacts == 1 else 'transits'} with a contact"
         lines = [f"{met}, {self.clear} without, {self.hours:.1f} h."]
-        for row in self.rows:
-            left = f", {row.left:.0f} s left to act (median)" if math.isfinite(row.left) else ""
-            in_time = f"in time in {row.in_time} of {self.contacts}"
-            lines.append(f"{row.predictor}: {in_time}{left}; {row.false:.0f} false alerts in 100 h.")
+        for name, row in self.table.iterrows():
+            left = f", {row['left']:.0f} s left to act (median)" if math.isfinite(row["left"]) else ""
+            in_time = f"in time in {row['in_time']:.0f} of {self.contacts}"
+            lines.append(f"{name}: {in_time}{left}; {row['false']:.0f} false alerts in 100 h.")
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        counts = {
-            "contacts": self.contacts,
-            "clear": self.clear,
-            "hours": self.hours,
-            "limit": settings.CONTACT_CLEARANCE,
-        }
-        left = {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.left.items()}
-        rows = [vars(row) for row in self.rows]
-        return {"summary": self.summary(), **counts, "predictors": rows, "left": left, "notes": [*self.notes]}
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        import pandas as pd
-
-        return pd.DataFrame([vars(row) for row in self.rows]).set_index("predictor")
+        return {
+            "summary": self.summary(), "contacts": self.contacts, "clear": self.clear, "hours": self.hours,
+            "limit": settings.CONTACT_CLEARANCE, "predictors": self.table.reset_index().to_dict("records"),
+            "left": {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.left.items()},
+            "notes": list(self.notes),
+        }  # fmt: skip
 
 
 def score_transits(transits: Mapping[str, WatchedTransit]) -> TransitScores:
+    import pandas as pd
+
     known = {name: one for name, one in transits.items() if one.known.any()}
     left: dict[str, tuple[float, ...]] = {}
     false, hours = np.zeros(len(PREDICTORS)), 0.0
@@ -336,21 +324,21 @@ def score_transits(transits: Mapping[str, WatchedTransit]) -> TransitScores:
         false += [sum(met - start > settings.BEFORE_CONTACT for start, _ in own) for own in spells]
         if math.isfinite(met):
             left[name] = tuple(_left_at(one, met, own) for own in spells)
-    table = np.array([*left.values()]).reshape(-1, len(PREDICTORS))
-    in_time = (table >= settings.NEEDED_TIME).sum(axis=0)
-    median = np.median(table, axis=0) if len(table) else np.full(len(PREDICTORS), math.nan)
-    often = 100.0 * false / hours if hours else np.full(len(PREDICTORS), math.nan)
-    rows = tuple(map(PredictorScore, PREDICTORS, in_time.tolist(), median.tolist(), often.tolist()))
+    found = np.array([*left.values()]).reshape(-1, len(PREDICTORS))
+    median = np.median(found, axis=0) if len(found) else math.nan
+    columns = {"in_time": (found >= settings.NEEDED_TIME).sum(axis=0), "left": median}
+    columns["false"] = 100.0 * false / hours if hours else math.nan
     unknown = tuple(name for name in transits if name not in known)
-    return TransitScores(len(left), len(known) - len(left), hours, rows, left, unknown)
+    table = pd.DataFrame(columns, index=pd.Index(PREDICTORS, name="predictor"))
+    return TransitScores(len(left), len(known) - len(left), hours, table, left, unknown)
 
 
 def _urgencies(one: WatchedTransit) -> list[np.ndarray]:
     """(seconds,) Of each predictor over its threshold; NaN without a forecast [1]."""
-    columns, thresholds = one.columns, Thresholds()
+    columns = one.columns
     near = np.where(one.known, CLEARANCE / np.maximum(columns["clearance"], LEAST), math.nan)
     left = np.maximum(level_time(columns["last_chance"], columns["nobody"]), LEAST)
-    return [near, *(getattr(thresholds, level) / left for level in LEVELS)]
+    return [near, *(time / left for _, time in LEVELS)]
 
 
 def _left_at(one: WatchedTransit, met: float, spells: list[tuple[float, float]]) -> float:
@@ -365,16 +353,14 @@ def _left_at(one: WatchedTransit, met: float, spells: list[tuple[float, float]])
 
 def alert_spells(t: np.ndarray, urgency: np.ndarray) -> list[tuple[float, float]]:
     """Return from when to when an alert stands, by the rule of the monitor's levels; to infinity at the end [s]."""
-    spells: list[tuple[float, float]] = []
-    above = below = math.inf
-    stands = False
+    spells, level = list[tuple[float, float]](), BankLevel()
     for now, value in zip(t.tolist(), urgency.tolist(), strict=True):
-        above = min(above, now) if value >= 1.0 else above if math.isnan(value) else math.inf
-        below = min(below, now) if value < settings.HYSTERESIS else below if math.isnan(value) else math.inf
-        if not stands and now - above >= settings.RAISE_DELAY - SAME:
-            stands = True
+        if math.isnan(value):
+            continue
+        stood = level.level
+        stands = level.update(now, Priority(value >= 1.0), Priority(value >= settings.HYSTERESIS))
+        if stands and not stood:
             spells.append((now, math.inf))
-            below = math.inf
-        elif stands and now - below >= settings.LOWER_DELAY - SAME:
-            stands, spells[-1] = False, (spells[-1][0], now)
+        elif stood and not stands:
+            spells[-1] = spells[-1][0], now
     return spells

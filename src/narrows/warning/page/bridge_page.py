@@ -23,9 +23,8 @@ import numpy as np
 from narrows.base.errors import InputError, needs, reason
 from narrows.base.saving import plain
 from narrows.warning import settings
-from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState, Command
+from narrows.warning.alerts.alert import AlertCommand, AlertDesk, Command
 from narrows.warning.inputs.bridge_readings import Tick
-from narrows.warning.monitoring.alert_publisher import acn
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.watched_transit import BridgeStatus, alert_to_dict
 from narrows.waterway.waterway import Section
@@ -311,16 +310,11 @@ def request_of(text: str) -> PageRequest | None:
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
     """Return why a request is refused, in a sentence; empty where it is not."""
-    situation = SITUATIONS.get(request.identifier)
-    if situation is None:
-        return f"There is no alert {request.identifier}."
-    alert = desk[situation]
-    if alert.state is AlertState.NORMAL or alert.instance != request.instance:
-        return f"{situation.name}: that alert is over."
-    if alert.revision != request.revision:
-        return f"{situation.name}: the alert has changed since it was asked for; look at it again."
-    if alert.commanded(COMMANDS[request.command], t) is None:
-        return f"{situation.name}: it is {alert.state.value}, so there is nothing to {request.command}."
+    shown = [alert for alert in desk.alerts if all(getattr(alert, name) == getattr(request, name) for name in NUMBERS)]
+    if not shown:
+        return "That alert is over, or has changed since it was asked for; look at it again."
+    if shown[0].commanded(COMMANDS[request.command], t) is None:
+        return f"The alert is {shown[0].state.value}, so there is nothing to {request.command}."
     return ""
 
 
@@ -335,22 +329,22 @@ class PageRequests:
         except Full:
             answer(BUSY)
 
-    def sentences(self, desk: AlertDesk, t: float) -> list[bytes]:
-        """Return what is asked for as the bridge's sentences, and answer what is refused."""
-        said: list[bytes] = []
+    def commands(self, desk: AlertDesk, t: float) -> list[AlertCommand]:
+        """Return what is asked for, and answer what is refused."""
+        said: list[AlertCommand] = []
         try:
             while True:
                 request, answer = self._waiting.get_nowait()
                 if why := objection(request, desk, t):
                     answer(why)
                 else:
-                    said.append(acn(request.identifier, request.instance, COMMANDS[request.command]))
+                    said.append(AlertCommand(request.identifier, request.instance, COMMANDS[request.command]))
         except Empty:
             return said
 
     def joined(self, ticks: Iterable[Tick], desk: AlertDesk) -> Iterator[Tick]:
         for tick in ticks:
-            yield tick._replace(commands=[*tick.commands, *self.sentences(desk, tick.t)])
+            yield tick._replace(commands=[*tick.commands, *self.commands(desk, tick.t)])
 
 
 NO_TOKEN = "The token is missing or wrong; open the address that the monitor printed when it started."
