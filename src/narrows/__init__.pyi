@@ -63,7 +63,6 @@ from .model.derived_models import DepthCorrected as DepthCorrected
 from .model.derived_models import at_depth as at_depth
 from .model.derived_models import borrow_rudder as borrow_rudder
 from .model.derived_models import with_transverse_thrust as with_transverse_thrust
-from .model.froude import Friction as Friction
 from .model.froude import Scaled as Scaled
 from .model.froude import dimensional as dimensional
 from .model.froude import nondimensional as nondimensional

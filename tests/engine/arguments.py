@@ -376,7 +376,7 @@ class Table:
             "scale_model": Entry(
                 {"model": shallow(), "length": 300.0},
                 {"model": steered(), "length": 200.0, "density": 1025.0, "width": 700.0, "depth": 30.0,
-                 "friction": nw.Friction(2.8, 0.1, 1.0)},
+                 "form_factor": 0.1},
             ),
             "squat": Entry(
                 {"ship": shallow(), "u": 0.5},

@@ -169,10 +169,6 @@ def built() -> dict[str, Built]:
             {"heading_deg": 40.0, "offset": 1.6, "gust": 60.0, "gust_lever": 0.0, "gust_time": 1.0, "wind": 9.0,
              "steady": 20.0},
         ),
-        "Friction": Built(
-            nw.Friction(2.8, 0.1, 1.0), lambda way: nw.scale_model(paper(), 300.0, friction=way).model.coefficients,
-            {"wetted_surface": 3.0, "form_factor": 0.2, "speed": 1.2, "viscosity": (1.0e-6, 1.3e-6)},
-        ),
         "HarmonicRun": Built(
             yawing, measured,
             {"name": "B", "kind": "sway", "amplitude": 0.5, "period": 13.0, "speed": 0.9, "cycles": 2, "offset": 0.2,

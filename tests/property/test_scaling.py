@@ -1,5 +1,6 @@
 """Scale and dimension: round trips, invariance of the bank's coefficients, and voyages that are one at every scale."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -98,7 +99,7 @@ def test_scaling_there_and_back(dtc: nw.Model, length: float, density: float) ->
     ("name", "ratio", "scaled"),
     [
         ("KCS 1:52.667", 230 / 4.3671, "KCS at full scale"), ("KCS at full scale", 0.5, "KCS 1:2"),
-        ("KCS 1:52.667", 400 / 4.3671, "KCS 1.739:1"), ("KCS 1.739:1", 1 / 1.739, "KCS at full scale"),
+        ("KCS 1:52.667", 400 / 4.3671, "KCS 1:0.57501"), ("KCS 1:0.57501", 0.57501, "KCS at full scale"),
         ("KVLCC2", 45.7, "KVLCC2"), ("8000 TEU container carrier", 2.0, "8000 TEU container carrier"),
     ],
 )  # fmt: skip
@@ -109,7 +110,7 @@ def test_the_scale_in_a_name_is_that_of_the_ship(name: str, ratio: float, scaled
 def test_a_model_at_full_scale_says_so(dtc: nw.Model, tmp_path: Path) -> None:
     full = nw.scale_model(dtc, 355.0)
     full.model.save(tmp_path / "full.toml")
-    assert "DTC at full scale" in repr(full)
+    assert "DTC at full scale" in repr(full.model)
     assert nw.load_model(tmp_path / "full.toml").ship.name == "DTC at full scale"
 
 
@@ -152,12 +153,18 @@ def test_prime_units_are_those_of_the_book(dtc: nw.Model) -> None:
 def test_friction_goes_by_the_line_of_the_ittc(dtc: nw.Model) -> None:
     assert ittc57(1e7) == pytest.approx(0.075 / 25)
     assert ittc57(1e9) == pytest.approx(0.075 / 49)
-    same = nw.Friction(3.0, 0.1, 1.0, (1.14e-6, 1.14e-6))
-    assert nw.scale_model(dtc, dtc.configuration.ship.length, friction=same).model.coefficients[
-        "a_uu"
-    ] == pytest.approx(12.6)
-    by_froude, by_line = (nw.scale_model(dtc, 355.0, friction=f).model.coefficients["a_uu"] for f in (None, same))
+    same = nw.scale_model(dtc, dtc.configuration.ship.length, form_factor=0.1).model
+    assert same.coefficients["a_uu"] == pytest.approx(12.6, rel=0.01)  # In the viscosity of sea water
+    by_froude, by_line = (nw.scale_model(dtc, 355.0, form_factor=k).model.coefficients["a_uu"] for k in (None, 0.1))
     assert 0 < by_line < by_froude
+    ship, rho, ratio = dtc.configuration.ship, dtc.configuration.water.density, 355.0 / dtc.configuration.ship.length
+    surface = ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
+    speed = sum(dtc.data_range.speed) / 2 if dtc.data_range.speed else 0.12 * (9.81 * ship.length) ** 0.5
+    small, large = (
+        0.5 * rho * 1.1 * surface * scale**2 * 0.075 / (math.log10(speed * scale**1.5 * ship.length / nu) - 2) ** 2
+        for scale, nu in ((1.0, 1.14e-6), (ratio, 1.19e-6))
+    )
+    assert by_line == pytest.approx((12.6 - small) * ratio**2 + large, rel=1e-4)
 
 
 def test_friction_of_a_resistance_by_primes_is_the_same_friction() -> None:
@@ -167,8 +174,7 @@ def test_friction_of_a_resistance_by_primes_is_the_same_friction() -> None:
     pressure = 0.5 * kvlcc2.configuration.water.density * ship.length * ship.draft
     resistance = nw.TermTable("resistance", (nw.PAPER["a_uu"],), (), ())
     plain = nw.Model(kvlcc2.configuration, resistance, {"a_uu": kvlcc2.coefficients["R_0"] * pressure})
-    friction = nw.Friction(14.0, 0.2, 1.179)
-    primes, other = (nw.scale_model(model, 320.0, 1025.0, friction=friction).model for model in (kvlcc2, plain))
+    primes, other = (nw.scale_model(model, 320.0, 1025.0, form_factor=0.2).model for model in (kvlcc2, plain))
     straight = nw.Motion(u=8.0)
     large = 0.5 * 1025.0 * 320.0 * primes.configuration.ship.draft
     assert primes.coefficients["R_0"] * large * 64.0 == pytest.approx(-other.forces(straight)["X"], rel=1e-12)
@@ -214,7 +220,7 @@ def test_an_estimate_at_another_depth_names_the_command_that_estimates_it_anew(t
         (lambda m: nw.scale_model(m, 355.0, width=40.0), "does not fit"),
         (lambda m: nw.nondimensional(m, "prime3"), "choose prime1"),
         (lambda m: nw.nondimensional(m, "prime2"), "give a positive one"),
-        (lambda m: nw.Friction(-1.0, 0.1, 1.0), "positive wetted surface"),
+        (lambda m: nw.scale_model(m, 355.0, form_factor=-0.1), "a form factor of -0.1 is none"),
         (lambda m: ittc57(1e3), "below the range"),
         (lambda m: nw.dimensional({"b_bnk": 1.0}, m, "bis"), "unknown coefficient"),
     ],
@@ -236,5 +242,7 @@ def test_scale_on_the_command_line(cli, tmp_path) -> None:
     assert told["coefficients"]["b_bank"] == {"old": 1.07, "new": 1.07, "unit": "1"}
     assert told["speed_ratio"] == pytest.approx(89.1064**0.5, rel=1e-5)
     code, _, err = cli("scale", "mikkelsen2025_dtc", "--length", 355, "--form-factor", 0.1)
+    assert (code, err) == (0, "")
+    code, _, err = cli("scale", "estimated_kcs", "--length", 355, "--form-factor", -1)
     assert code == 2
-    assert "--wetted-surface" in err
+    assert "a form factor of -1.0 is none" in err

@@ -36,7 +36,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
         (lambda: nw.scale_model(DTC, 1e200), "must be over 0 and under"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
-        (lambda: nw.scale_model(DTC, 355.0, friction=nw.Friction(400.0, 0.1, 1.0)), "more than the whole of a_uu"),
+        (lambda: nw.scale_model(DTC, 355.0, form_factor=9.0), "more than the whole of a_uu"),
         (
             lambda: nw.squat(nw.Configuration(DTC.configuration.ship, nw.Canal(7.0, 0.3)), 0.5, "bow", "barrass"),
             "largest sinkage",
@@ -92,10 +92,6 @@ def test_a_covariance_must_be_one(tmp_path) -> None:
     ("words", "said"),
     [
         (("map", "mikkelsen2025_dtc", "--samples", "20", "--within", "-10"), "no distance"),
-        (
-            ("scale", "mikkelsen2025_dtc", "--length", "355", "--wetted-surface", "3"),
-            "--wetted-surface goes with --form-factor",
-        ),
         (("scale", "mikkelsen2025_dtc", "--length", "355", "--width", "0"), "must be positive"),
     ],
 )

@@ -20,10 +20,7 @@ WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 MODEL_TO_SHOW = "Model to show: a model file, or the name of a published model."
 
 
-@verb(
-    "narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml",
-    needs={"wetted_surface at_speed": "form_factor", "form_factor": "wetted_surface"},
-)
+@verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
 def scale(
     model: ModelFile,
     length: Annotated[float, "Length between perpendiculars of the new ship [m]."],
@@ -32,8 +29,6 @@ def scale(
     width: Annotated[float | None, "Width of the new canal [m]; default: that of the tests, scaled."] = None,
     depth: Annotated[float | None, "Depth of the new canal [m]; default: that of the tests, scaled."] = None,
     form_factor: Annotated[float | None, "Scale friction by the ITTC line with this form factor k."] = None,
-    wetted_surface: Annotated[float | None, "Wetted surface of the old hull [m2], with --form-factor."] = None,
-    at_speed: Annotated[Speed | None, "Speed of the old hull: 1.2m/s, 2kn; with --form-factor."] = None,
 ) -> None:
     """Scale a model to another length by Froude's law.
 
@@ -43,9 +38,7 @@ def scale(
     """
     from narrows.report.printed_tables import print_scaled
 
-    friction = None if form_factor is None else nw.Friction(wetted_surface or 0.0, form_factor, at_speed or 0.0)
-    old = model_named(model)
-    scaled = nw.scale_model(old, length, density, width, depth, friction)
+    scaled = nw.scale_model(model_named(model), length, density, width, depth, form_factor)
     delivery.write(scaled.model.save)
     delivery.show(scaled.to_dict, lambda: print_scaled(scaled))
 

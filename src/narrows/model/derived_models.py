@@ -1,23 +1,19 @@
 """Models derived from another: at another depth, with another ship's rudder, with a transverse thrust."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
 
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
-from narrows.base.results import BaseResult, Named
+from narrows.base.results import Named
 from narrows.model import additions
+from narrows.model.froude import DerivedModel
 from narrows.model.model import Model
 from narrows.model.term import DepthLaw, TermKind, TermTable
 from narrows.quantities.names import argument_names
 from narrows.ship.particulars import Configuration
-
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 # h/T below which the corrections contradict measurements: the drift force by half, for the KCS at 1.2.
 SHALLOWEST = 1.5
@@ -25,18 +21,8 @@ SHALLOWEST = 1.5
 DEEP = 1e9
 
 
-@dataclass(frozen=True, repr=False)
-class DepthCorrected(BaseResult):
+class DepthCorrected(DerivedModel):
     """A model corrected for another depth.
-
-    Parameters
-    ----------
-    model : Model
-        Model with the corrected coefficients and the new depth.
-    factors : mapping of str to float [1]
-        Factors of the corrected coefficients.
-    notes : tuple of str
-        Uncorrected effects, and unverified corrections.
 
     Examples
     --------
@@ -44,12 +30,10 @@ class DepthCorrected(BaseResult):
     ['N_r']
     """
 
-    model: Model
-    factors: Mapping[str, float]
-    notes: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        return f"<Model taken to another depth: {self.summary()}>"
+    @property
+    def factors(self) -> dict[str, float]:
+        """Factors of the corrected coefficients [1]."""
+        return _factors(self.original, self.model.configuration.canal.depth or DEEP)
 
     def summary(self) -> str:
         configuration = self.model.configuration
@@ -57,21 +41,11 @@ class DepthCorrected(BaseResult):
         ratio = (configuration.canal.depth or DEEP) / configuration.ship.draft
         return f"Taken to h/T = {ratio:.3g}: {grown or 'nothing was corrected'}."
 
-    def to_dict(self) -> dict[str, Any]:
-        return {
-            "depth": self.model.configuration.canal.depth,
-            "factors": dict(self.factors),
-            "coefficients": dict(self.model.coefficients),
-            "summary": self.summary(),
-            "notes": list(self.notes),
-        }
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the coefficients as a table: one row each, with its factor and its new value."""
-        import pandas as pd
-
-        rows = {name: (self.factors.get(name, 1.0), value) for name, value in self.model.coefficients.items()}
-        return pd.DataFrame.from_dict(rows, orient="index", columns=["factor", "value"]).rename_axis("coefficient")
+def _factors(model: Model, depth: float) -> dict[str, float]:
+    old, was = model.configuration, model.configuration.canal.depth or DEEP
+    laws = {term.name: term.depth_law for term in model.terms.terms if term.depth_law}
+    return {name: factor_at(law, old, depth) / factor_at(law, old, was) for name, law in laws.items()}
 
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
@@ -105,12 +79,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     old = model.configuration
     if not depth > old.ship.draft:
         raise InputError(f"a depth of {depth} m leaves no water under a draft of {old.ship.draft} m; raise it")
-    was = old.canal.depth or DEEP
-    factors = {
-        term.name: factor_at(term.depth_law, old, depth) / factor_at(term.depth_law, old, was)
-        for term in model.terms.terms
-        if term.depth_law
-    }
+    factors = _factors(model, depth)
     grown = np.array([factors.get(name, 1.0) for name in model.terms.names])
     moved = replace(
         model,
@@ -120,7 +89,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
     )
-    return DepthCorrected(moved, factors, _notes(model, factors, depth))
+    return DepthCorrected(moved, model, _notes(model, factors, depth))
 
 
 def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:

@@ -14,7 +14,7 @@ from narrows.base.results import BaseResult, Named
 from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect
-from narrows.model.water import ship_mass
+from narrows.model.water import ship_mass, wetted_surface
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
 from narrows.ship.checks import is_finite
@@ -24,12 +24,46 @@ from narrows.ship.particulars import Canal, Configuration, Water
 if TYPE_CHECKING:
     import pandas as pd
 
-# Length greater than any ship's [m].
-LONGEST = 1e4
+LONGEST = 1e4  # Length greater than any ship's [m]
+VISCOSITIES = 1.14e-6, 1.19e-6  # Kinematic viscosity of fresh water in tanks, and of the sea, at 15 degrees [m2/s]
+USUAL_FROUDE = 0.12  # Froude number by length of ships in canals, for models whose tested speeds are not known
 
 
 @dataclass(frozen=True, repr=False)
-class Scaled(BaseResult):
+class DerivedModel(BaseResult):
+    """A model made of another.
+
+    Parameters
+    ----------
+    model : Model
+        The new model.
+    original : Model
+        The model that it was made of.
+    notes : tuple of str
+        Effects that are not corrected, and quantities outside the tested range.
+    """
+
+    model: Model
+    original: Model
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        old, terms = self.original.coefficients, self.original.terms
+        coefficients = {
+            name: {"old": old[name], "new": value, "unit": terms[name].dimension.unit}
+            for name, value in self.model.coefficients.items()
+        }
+        return {"coefficients": coefficients, "summary": self.summary(), "notes": list(self.notes)}
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the coefficients as a table: one row each, with old and new value and unit."""
+        import pandas as pd
+
+        return pd.DataFrame.from_dict(self.to_dict()["coefficients"], orient="index").rename_axis("coefficient")
+
+
+@dataclass(frozen=True, repr=False)
+class Scaled(DerivedModel):
     """A model at another scale, and the effects that do not scale.
 
     Parameters
@@ -38,19 +72,13 @@ class Scaled(BaseResult):
         The model at the new scale.
     original : Model
         The model at the original scale.
-    ratio : float [1]
-        New length over old.
     notes : tuple of str
         Effects that do not scale, and quantities outside the tested range in the new water.
+    ratio : float [1]
+        New length over old.
     """
 
-    model: Model
-    original: Model
     ratio: float
-    notes: tuple[str, ...]
-
-    def __repr__(self) -> str:
-        return f"<Scaled model of {self.model.configuration.ship.name or 'a ship'}: {self.summary()}>"
 
     def speed(self, speed: float) -> float:
         """Return the speed at the new scale with the Froude number of one at the old [m/s].
@@ -66,52 +94,8 @@ class Scaled(BaseResult):
         return f"Lengths times {self.ratio:.4g}, speeds and times times {self.speed(1.0):.4g} (Froude)."
 
     def to_dict(self) -> dict[str, Any]:
-        old, terms = self.original.coefficients, self.original.terms
-        return {
-            "ratio": self.ratio,
-            "speed_ratio": self.speed(1.0),
-            "coefficients": {
-                name: {"old": old[name], "new": value, "unit": terms[name].dimension.unit}
-                for name, value in self.model.coefficients.items()
-            },
-            "bis": nondimensional(self.model, "bis"),
-            "summary": self.summary(),
-            "notes": list(self.notes),
-        }
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the coefficients as a table: one row each, with old and new value and unit."""
-        import pandas as pd
-
-        return pd.DataFrame.from_dict(self.to_dict()["coefficients"], orient="index").rename_axis("coefficient")
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Data for scaling the friction of a hull by the line of the ITTC.
-
-    Raises an InputError if a number is not positive, or the form factor is negative.
-
-    Parameters
-    ----------
-    wetted_surface : float [m2]
-        Area of the hull at the old scale.
-    form_factor : float [1]
-        Form factor k.
-    speed : float [m/s]
-        Speed at the old scale at which the line is evaluated.
-    viscosity : pair of float [m2/s]
-        Kinematic viscosity of the water at the old scale and at the new.
-    """
-
-    wetted_surface: float
-    form_factor: float
-    speed: float
-    viscosity: tuple[float, float] = (1.14e-6, 1.19e-6)
-
-    def __post_init__(self) -> None:
-        if not (self.wetted_surface > 0 and self.speed > 0 and min(self.viscosity) > 0 and self.form_factor >= 0):
-            raise InputError("friction needs a positive wetted surface, speed and viscosity, and a form factor from 0")
+        ratios = {"ratio": self.ratio, "speed_ratio": self.speed(1.0)}
+        return {**ratios, **super().to_dict(), "bis": nondimensional(self.model, "bis")}
 
 
 def ittc57(reynolds: float) -> float:
@@ -125,7 +109,7 @@ def ittc57(reynolds: float) -> float:
 @accept_aliases
 def scale_model(
     model: Model, length: float, density: float | None = None, width: float | None = None, depth: float | None = None,
-    friction: Friction | None = None,
+    form_factor: float | None = None,
 ) -> Scaled:  # fmt: skip
     """Scale a model to another length by Froude's law.
 
@@ -144,8 +128,9 @@ def scale_model(
         Density of the new water; unchanged unless given.
     width, depth : float [m], optional
         Dimensions of the new canal; those of the tests at the new scale unless given.
-    friction : Friction, optional
-        Scale the friction in the resistance by the line of the ITTC instead of by Froude's law.
+    form_factor : float [1], optional
+        Form factor k: scale the friction in the resistance by the line of the ITTC instead of by Froude's law, at the
+        mean of the tested speeds and with the wetted surface of Denny and Mumford.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
         raise InputError(f"the length {shown(length)} m of a ship must be over 0 and under {LONGEST:g} m")
@@ -166,9 +151,9 @@ def scale_model(
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     same = f"The water keeps its density of {water.density:g} kg/m3: the sea's is 1025 (density, --density)."
     place = ((same,) if density is None and ratio > 1 else ()) + _place_notes(model, configuration)
-    notes = (*model.bank_notes, *_scale_notes(model, friction), *place)
-    if friction:
-        coefficients |= _with_friction(model, friction, configuration, coefficients)
+    notes = (*model.bank_notes, *_scale_notes(model, form_factor is not None), *place)
+    if form_factor is not None:
+        coefficients |= _resistance_by_line(model, form_factor, configuration, coefficients)
     scaled = replace(
         model,
         configuration=configuration,
@@ -177,7 +162,7 @@ def scale_model(
         data_range=DataRange(**ranges),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
     )
-    return Scaled(scaled, model, ratio, notes)
+    return Scaled(scaled, model, notes, ratio)
 
 
 @dataclass(frozen=True)
@@ -190,60 +175,54 @@ class Units:
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
-def _with_friction(
-    model: Model, friction: Friction, configuration: Configuration, scaled: Mapping[str, float]
+def _resistance_by_line(
+    model: Model, form_factor: float, configuration: Configuration, scaled: Mapping[str, float]
 ) -> dict[str, float]:
     """The resistance with the friction of the old scale replaced by that of the new."""
     terms = _holding(model, ScaleEffect.FRICTION)
     if not terms:
         raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
-    name = terms[0]
-    small, large = (
-        # Resistance by the line and per unit of the coefficient, over the square of the speed
-        _line(friction, setting, nu, model.configuration)
-        / -float(model.terms[name].column({**setting.values(), **Motion.at(u=1.0).values()}))
-        for setting, nu in zip((model.configuration, configuration), friction.viscosity, strict=True)
-    )
-    whole = model.coefficients[name]
+    if not (is_finite(form_factor) and form_factor >= 0):
+        raise InputError(f"a form factor of {shown(form_factor)} is none; give k, 0.1 to 0.3 for most ships")
+    name, old, frictions = terms[0], model.configuration, []
+    speeds = model.data_range.speed or (USUAL_FROUDE * (GRAVITY * old.ship.length) ** 0.5,)
+    for setting, viscosity in zip((old, configuration), VISCOSITIES, strict=True):
+        speed = sum(speeds) / len(speeds) * (setting.ship.length / old.ship.length) ** 0.5
+        coefficient = (1 + form_factor) * ittc57(speed * setting.ship.length / viscosity)
+        drag = 0.5 * setting.water.density * wetted_surface(setting.ship) * coefficient  # Over the speed squared
+        frictions.append(drag / -float(model.terms[name].column({**setting.values(), **Motion.at(u=1.0).values()})))
+    (small, large), whole = frictions, model.coefficients[name]
     if small > whole > 0:
-        raise InputError(
-            f"the friction is more than the whole of {name}; check the wetted surface, form factor and speed"
-        )
+        raise InputError(f"the friction is more than the whole of {name}; check the form factor and the ship's sizes")
     share = scaled[name] / whole if whole else 1.0
     return {name: max((whole - small) * share + large, 0.0)}
-
-
-def _line(friction: Friction, setting: Configuration, viscosity: float, old: Configuration) -> float:
-    """Frictional resistance over the square of the speed, by the line, for the hull at that length [kg/m]."""
-    ratio, length = setting.ship.length / old.ship.length, setting.ship.length
-    coefficient = (1 + friction.form_factor) * ittc57(friction.speed * ratio**0.5 * length / viscosity)
-    return 0.5 * setting.water.density * friction.wetted_surface * ratio**2 * coefficient
 
 
 def _holding(model: Model, effect: ScaleEffect) -> list[str]:
     return [term.name for term in model.terms.terms if term.scale_effect is effect]
 
 
-def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
-    notes = []
-    if (resisting := _holding(model, ScaleEffect.FRICTION)) and not friction:
+NOT_SCALED = {
+    ScaleEffect.FRICTION: "The friction in {} does not follow Froude's law: a ship has less than this (give a form "
+    "factor).",
+    ScaleEffect.CROSSFLOW_DRAG: "The drag of crossflow in {} depends on the Reynolds number, which differs.",
+    ScaleEffect.WAKE: "A ship's wake is thinner than its model's, and its propeller is loaded less; neither is "
+    "corrected here.",
+    ScaleEffect.BANK_SHAPE: "The coefficients are valid for the bank shape of the tests only.",
+}
+
+
+def _scale_notes(model: Model, by_line: bool) -> tuple[str, ...]:
+    held = {effect: " and ".join(_holding(model, effect)) for effect in ScaleEffect}
+    notes = [
+        words.format(held[effect]) for effect, words in NOT_SCALED.items()
+        if held[effect] and not (by_line and effect is ScaleEffect.FRICTION)
+    ]  # fmt: skip
+    if held[ScaleEffect.TEST_SPEED] and (pair := model.data_range.speed):
         notes.append(
-            f"The friction in {resisting[0]} does not follow Froude's law: a ship has less than this "
-            "(give a form factor)."
+            f"{held[ScaleEffect.TEST_SPEED]} hold parts proportional to the speed of the tests, {pair[0]:.3g} to "
+            f"{pair[1]:.3g} m/s: far from that speed, scaled, they do not hold."
         )
-    if drags := _holding(model, ScaleEffect.CROSSFLOW_DRAG):
-        notes.append(f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which differs.")
-    if _holding(model, ScaleEffect.WAKE):
-        notes.append(
-            "A ship's wake is thinner than its model's, and its propeller is loaded less; neither is corrected here."
-        )
-    if (held := _holding(model, ScaleEffect.TEST_SPEED)) and (pair := model.data_range.speed):
-        notes.append(
-            f"{', '.join(held)} hold parts proportional to the speed of the tests, {pair[0]:.3g} to {pair[1]:.3g} m/s: "
-            "far from that speed, scaled, they do not hold."
-        )
-    if _holding(model, ScaleEffect.BANK_SHAPE):
-        notes.append("The coefficients are valid for the bank shape of the tests only.")
     return tuple(notes)
 
 
@@ -337,17 +316,11 @@ def dimensional(
     return replace(model, coefficients=Named({**numbers, **known}), covariance=None)
 
 
-# Scale in a ship's name, as in ``KCS 1:52.667``, valid for every size of the ship.
-SCALE = re.compile(r"\b1:(?P<smaller>\d+(\.\d+)?)\b|\b(?P<larger>\d+(\.\d+)?):1\b|\bat full scale\b")
-
-
 def name_at_scale(name: str, ratio: float) -> str:
-    """Return a ship's name after scaling its lengths; a name without a scale stays unchanged."""
+    """Return a ship's name after scaling its lengths; a name without a scale, as ``KCS 1:52.667``, is unchanged."""
 
     def renamed(known: re.Match[str]) -> str:
-        scale = float(known["smaller"] or 1.0) / float(known["larger"] or 1.0) / ratio
-        if abs(scale - 1) < 5e-3:
-            return "at full scale"
-        return f"1:{scale:.5g}" if scale > 1 else f"{1 / scale:.4g}:1"
+        scale = float(known[1] or 1.0) / ratio
+        return "at full scale" if abs(scale - 1) < 5e-3 else f"1:{scale:.5g}"
 
-    return SCALE.sub(renamed, name)
+    return re.sub(r"\b1:(\d+(?:\.\d+)?)\b|\bat full scale\b", renamed, name)
