@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from pages import markdown, publish
+from scipy.special import chdtri
 
 import narrows as nw
 from narrows.captive.measured import measured_files
@@ -99,7 +100,10 @@ def row(way: str) -> tuple[str, ...]:
     false = sum(
         int(np.any([flag.any(axis=1) for flag in own.suspected.values()], axis=0).sum()) for own in (true, drawn)
     )
-    nees = (f"{true.mean_nees:.2f}", f"{drawn.median_nees:.2f}")
+    nees = (
+        f"{true.mean_nees:.2f}",
+        f"{np.nanmedian(drawn.nees[:, drawn.counted]) / chdtri(len(drawn.states), 0.5):.2f}",
+    )
     faults = (largest(way, jump), largest(way, silent), drifted(way))
     return (f"`{way}`", *nees, f"{drawn.rmse['y']:.2f}", *faults, f"{false} of {len(true.nees) + len(drawn.nees)}")
 

@@ -7,7 +7,8 @@ import numpy as np
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.filter_run import Start
 from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
-from narrows.estimation.unscented import Gaussian, sigma_point_weights
+from narrows.estimation.ship_filter import sigma_point_weights
+from narrows.estimation.states import Gaussian
 from narrows.simulation.ship_lanes import ShipLanes
 
 REFUSED, TINY = 1e12, 1e-12

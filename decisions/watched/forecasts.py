@@ -3,7 +3,7 @@
 import numpy as np
 
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.states import Gaussian
 from narrows.ship.particulars import half_swept
 from narrows.warning.forecasting.forecaster import (
     AFTER,

@@ -75,7 +75,7 @@ OTHERS: dict[str, Any] = {
     "y": 0.2, "u": 0.9, "twins": 11, "duration": 30.0, "drawn": True, "seed": 5, "x": 2.0, "excitation": 0.0,
     "controller": nw.ConstantRudder(0.0), "fault": lambda t, readings: {},
     "waterway": nw.straight_waterway(nw.Canal(7.5), 500.0), "noise": ProcessNoise(sway=0.01), "coefficients": "certain",
-    "memory": 5.0, "refusing": 0.3, "step": 0.05,
+    "memory": 5.0, "refusing": 0.3,
 }  # fmt: skip
 
 
@@ -136,7 +136,7 @@ def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
     helm = nw.control.regulator(model, 0.2, 1.0, waterway=way)
     calm = ProcessNoise(**dict.fromkeys(vars(ProcessNoise()), 0.0))
     known = Prior(sway=0.0, yaw_rate=0.0, bank=0.0, current=0.0, current_across=0.0)
-    sensors = (*SENSORS, RudderIndicator(bias=0.0, noise=0.0))
+    sensors = (*SENSORS, RudderIndicator(0.0))
     silent = Estimator(model, sensors, waterway=way, noise=calm, prior=known).filter
     twins = sail_twins(silent, helm, (30.0, 0.2, 1.0, 0.0), 2, 30.0, False, 0.0, 0)
     start = dict(zip(silent.states.names, twins.states[0, 0], strict=True))

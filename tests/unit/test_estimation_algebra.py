@@ -10,14 +10,8 @@ from hypothesis import strategies as st
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import square_roots
 from narrows.estimation.estimator import smoothed
-from narrows.estimation.ship_filter import MotionStep, gate
-from narrows.estimation.unscented import (
-    Gaussian,
-    predict,
-    sigma_point_weights,
-    triangular_root,
-    update,
-)
+from narrows.estimation.ship_filter import MotionStep, gate, predict, sigma_point_weights
+from narrows.estimation.states import Gaussian
 
 LOOPS = compiled_loops(square_roots)
 
@@ -44,7 +38,7 @@ def measured_by(now: Gaussian, told: np.ndarray, seen: Any = lambda points: poin
     expected, rows = spread.transform(now, seen, np.diag(SIGMA))
     sums = np.zeros((2, 1, MEASURED))
     tests = np.array([MEASURED]), np.array([np.inf]), np.array([0]), np.arange(MEASURED)
-    return update(now, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[0]
+    return Gaussian(*LOOPS.update(*now, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[:2])
 
 
 def kalman(mean: np.ndarray, covariance: np.ndarray, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -135,7 +129,7 @@ def test_the_weight_of_the_central_point_is_a_part_of_the_squares(
 
 def test_a_root_of_too_few_rows_is_still_square() -> None:
     rows = RANDOM.standard_normal((2, 3))
-    root = triangular_root(rows)
+    root = LOOPS.triangular_root(rows)
     np.testing.assert_allclose(root @ root.T, rows.T @ rows, atol=1e-14)
     assert root[0, 1] == root[0, 2] == root[1, 2] == 0.0
 

@@ -8,8 +8,7 @@ import pytest
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import GaussMarkov, Log, Prior, ProcessNoise, settings, square_roots
 from narrows.estimation.sensors import ErrorProcess
-from narrows.estimation.ship_filter import MEMORIES
-from narrows.estimation.unscented import sigma_point_weights
+from narrows.estimation.ship_filter import MEMORIES, sigma_point_weights
 
 
 def drift(sums: np.ndarray, innovation: float) -> np.ndarray:

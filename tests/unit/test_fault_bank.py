@@ -144,7 +144,7 @@ def test_a_likelihood_is_that_of_the_innovations() -> None:
     size = len(one.states) + one.estimated
     state = np.zeros(size)
     state[3] = 1.0
-    from narrows.estimation.unscented import Gaussian
+    from narrows.estimation.states import Gaussian
 
     now = Gaussian(state, 0.01 * np.eye(size))
     _, seen = one.update(0.0, now, {"log": (1.02,), "gyro": (0.004,)}, one.monitor())

@@ -12,8 +12,7 @@ import numpy as np
 from transit import canal
 
 import narrows as nw
-from narrows.estimation.states import Estimate, StateNames
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.states import Estimate, Gaussian, StateNames
 from narrows.warning.alerts.alert import BANKS, AlertDesk, Condition, Priority, Situation
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
 from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances

@@ -18,8 +18,7 @@ from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import Sensor, draw_reading
 from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter
-from narrows.estimation.states import Columns, Estimate, described
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.states import Columns, Estimate, Gaussian, described
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.simulation.controllers import ControlLaw
@@ -64,11 +63,6 @@ class Consistency(BaseResult):
         """Mean NEES over the number of states [1]: 1 for a consistent estimate."""
         return float(np.nanmean(self.nees[:, self.counted]) / len(self.states))
 
-    @property
-    def median_nees(self) -> float:
-        """Median NEES over the median of chi-squared [1]."""
-        return float(np.nanmedian(self.nees[:, self.counted]) / chdtri(len(self.states), 0.5))
-
     def bounds(self) -> tuple[float, float]:
         """Return the chance bounds of the mean NEES of all twins at one time, over the number of states [1]."""
         freedom, tail = len(self.nees) * len(self.states), (1 - CONFIDENCE) / 2
@@ -105,8 +99,7 @@ class Consistency(BaseResult):
         nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
         rmse = ", ".join(f"{name} {value:.2g} {described(name)[0]}" for name, value in self.rmse.items())
         lines = [
-            f"NEES of {n} states over {n} on {count} twins: mean {self.mean_nees:.2f}, median over that of chi-squared "
-            f"{self.median_nees:.2f}.",
+            f"NEES of {n} states over {n} on {count} twins: mean {self.mean_nees:.2f}.",
             f"At {self.within:.0%} of the times its mean lies within {low:.2f} to {high:.2f}; by chance it is 95 %.",
             f"NIS over its numbers: {nis}.",
             f"Root mean square errors: {rmse}.",
@@ -116,7 +109,7 @@ class Consistency(BaseResult):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "settled", "aground", "states")
+        names = ("mean_nees", "within", "mean_nis", "rmse", "covered", "settled", "aground", "states")
         more = {"bounds": self.bounds(), "twins": len(self.nees), "summary": self.summary(), "notes": list(self.notes)}
         return {name: getattr(self, name) for name in names} | more
 
@@ -248,12 +241,10 @@ def sail_twins(
             now = process.after(now, dt / parts, random)
         states.append(now)
         indicated.append(after)
-    truth, noisy = np.array(states), np.array(indicated)
-    if RUDDER in filter.actuators and filter.indicator.noise:
-        noisy[..., filter.actuators.index(RUDDER)] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
+    truth = np.array(states)
     sailed = lanes, filter, times, truth, random
     readings = {name: _readings(sensor, *sailed)[:, :count] for name, sensor in filter.sensors.items()}
-    return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
+    return Twins(times, truth[:, :count], np.array(indicated)[:, :count], readings, aground[:count])
 
 
 def _positions(

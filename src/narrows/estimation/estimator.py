@@ -28,8 +28,7 @@ from narrows.estimation.filter_run import (
 )
 from narrows.estimation.sensors import split_sensors
 from narrows.estimation.ship_filter import MODEL, Coefficients, MotionStep, ShipFilter, UpdateResult
-from narrows.estimation.states import Estimate, EstimatedTrack, Prior, ProcessNoise
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.states import Estimate, EstimatedTrack, Gaussian, Prior, ProcessNoise
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.ship.checks import is_finite
@@ -72,19 +71,17 @@ class Estimator(BaseSummary):
         ``math.inf``: never.
     refusing : float [1]
         Probability that a gate refuses a valid reading; 0 for no gates.
-    step : float [s], optional
-        Longest step of the motion; a quarter of the root of length over gravity unless given.
     """
 
     def __init__(
         self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
         noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
-        memory: float = settings.COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None,
+        memory: float = settings.COEFFICIENT_MEMORY, refusing: float = 1e-5,
     ) -> None:  # fmt: skip
         check_choice("coefficients", coefficients, get_args(Coefficients))
         length = model.configuration.ship.length
         by_name, indicator = split_sensors(sensors)
-        longest = math.sqrt(length / GRAVITY) / settings.STEPS_A_PERIOD if step is None else float(step)
+        longest = math.sqrt(length / GRAVITY) / settings.STEPS_A_PERIOD
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
             prior or Prior.of_length(length), coefficients, refusing, longest, float(memory),

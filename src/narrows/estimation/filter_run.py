@@ -12,8 +12,7 @@ from narrows.base.errors import InputError, did_you_mean
 from narrows.estimation.sensors import Sensor, error_states
 from narrows.estimation.settings import SAME_TIME, START_READINGS
 from narrows.estimation.ship_filter import MotionStep, ShipFilter, UpdateResult
-from narrows.estimation.states import Columns
-from narrows.estimation.unscented import Gaussian
+from narrows.estimation.states import Columns, Gaussian
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -1,19 +1,31 @@
-"""The filter of a ship with its sensors: states, motion by lanes of the kernel, update by gated readings."""
+"""The filter of a ship with its sensors: states, motion by lanes of the kernel, update by gated readings.
+
+Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+"""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 from scipy.special import chdtri
 
 from narrows.base.errors import InputError
-from narrows.estimation import settings
+from narrows.codegen.cache import compiled_loops
+from narrows.estimation import settings, square_roots
 from narrows.estimation.sensors import RudderIndicator, Sensor, error_states
-from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
-from narrows.estimation.unscented import Gaussian, predict, sigma_point_weights, triangular_root, update
+from narrows.estimation.states import (
+    MOTION_STATES,
+    STATES,
+    Columns,
+    Gaussian,
+    MarkovProcess,
+    Prior,
+    ProcessNoise,
+    StateNames,
+)
 from narrows.model.model import Model
 from narrows.ship.checks import check_sizes
 from narrows.simulation.ship import SimulatedShip
@@ -28,6 +40,44 @@ Readings = Mapping[str, Sequence[float]]
 MEMORIES = np.array(settings.DRIFT_MEMORIES)
 # Velocity through the water that a change of each current makes.
 WATER_VELOCITIES = {"current": "u", "current_across": "v"}
+
+
+class SigmaPointWeights(NamedTuple):
+    distance: float  # Distance of each pair, in standard deviations
+    mean: float  # Weight of each pair in the mean
+    bend: float  # Share of the sum of all second differences in the nonlinear part of each pair
+    pairs: int
+
+    def transform(
+        self, now: Gaussian, function: Callable[[np.ndarray], np.ndarray], noise: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean and rows of a function's values: changes along the root's columns, nonlinear parts, noise."""
+        loops = compiled_loops(square_roots)
+        points = loops.sigma_points(*now, self.distance, self.pairs)
+        mean, rows = loops.transform(function(points), noise, self.distance, self.mean, self.bend)
+        return mean, rows
+
+
+# Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
+# Sigma-point Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
+@lru_cache(maxsize=64)
+def sigma_point_weights(
+    size: int, alpha: float = 0.5, beta: float = 2.0, kappa: float | None = None
+) -> SigmaPointWeights:
+    """Return the weights of van der Merwe's scaled points."""
+    squared = settings.SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
+    # The covariance has the pairs' second differences d about the mean, and the central point by the weight 1 - n/h^2 +
+    # 1 - alpha^2 + beta, which may be negative. Both together are sums of squares of (d_i + bend sum d) / 2 h.
+    bend = (math.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
+    return SigmaPointWeights(math.sqrt(squared), 0.5 / squared, bend, size)
+
+
+def predict(
+    now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, weights: SigmaPointWeights
+) -> tuple[Gaussian, np.ndarray]:
+    """Return the distribution after a motion with noise (j, n), and its slopes along the root's columns, (k, n)."""
+    mean, rows = weights.transform(now, move, noise)
+    return Gaussian(mean, compiled_loops(square_roots).triangular_root(rows)), rows[: weights.pairs]
 
 
 class MotionStep(NamedTuple):
@@ -174,24 +224,8 @@ class ShipFilter:
         return MarkovProcess(walks, times, pairs)
 
     @cached_property
-    def pairs(self) -> int:
-        """Pairs of sigma points of the motion: of the states, and of the noise of the rudder's indication if any."""
-        return len(self.disturbances.walks) + (RUDDER in self.actuators and self.indicator.noise > 0.0)
-
-    @cached_property
     def lanes(self) -> ShipLanes:
-        return ShipLanes(self.ship, self.states.names, 1 + 2 * self.pairs, self.waterway)
-
-    @cached_property
-    def rudder_noise(self) -> np.ndarray:
-        """Additions to the positions of the actuators at the sigma points, (1 or points, actuators)."""
-        # The last pair has the noise of the rudder's indication.
-        added = np.zeros((self.lanes.lanes, len(self.actuators)))
-        if self.pairs == len(self.disturbances.walks):
-            return added[:1]
-        size = self.indicator.noise * sigma_point_weights(self.pairs).distance
-        added[[self.pairs, 2 * self.pairs], self.actuators.index(RUDDER)] = size, -size
-        return added
+        return ShipLanes(self.ship, self.states.names, 1 + 2 * len(self.disturbances.walks), self.waterway)
 
     def with_faults(self, faults: frozenset[str]) -> "ShipFilter":
         """Return the filter with faults; each is made once."""
@@ -216,7 +250,7 @@ class ShipFilter:
         mean = np.where(fresh, np.append(self.states.vector({}), np.zeros(more)), now.mean[rows])
         root = np.where(fresh[:, None], 0.0, now.root[rows])
         prior = np.diag([size * self.spreads.get(name, 0.0) for name in names] + [0.0] * more)[fresh]
-        return Gaussian(mean, triangular_root(np.concatenate([root.T, prior])))
+        return Gaussian(mean, compiled_loops(square_roots).triangular_root(np.concatenate([root.T, prior])))
 
     def advance(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""
@@ -234,7 +268,7 @@ class ShipFilter:
 
     def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
         """Return one step of the motion; actuators move from start to end (actuators,)."""
-        lanes, size, weights = self.lanes, len(self.states), sigma_point_weights(self.pairs)
+        lanes, size, weights = self.lanes, len(self.states), sigma_point_weights(len(now.mean))
         left, noise = self.disturbances.over(duration)
 
         def move(points: np.ndarray) -> np.ndarray:
@@ -242,7 +276,7 @@ class ShipFilter:
             if self.estimated:
                 bank = points[:, self.states.places["bank"]] if "bank" in self.states.places else np.ones(len(points))
                 columns = lanes.columns_of(self.middle + points[:, size:] @ self.root.T, bank)
-            after: np.ndarray = left * lanes.advance(points, duration, start, end + self.rudder_noise, columns)
+            after: np.ndarray = left * lanes.advance(points, duration, start, end, columns)
             return after
 
         after, slopes = predict(now, move, noise, weights)
@@ -262,8 +296,8 @@ class ShipFilter:
         innovation = np.array(numbers) - expected
         for angle in layout.angles:
             innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
-        now, tests, agree, likelihood = update(
-            now, rows, innovation, *layout.tests, monitor, MEMORIES,
+        mean, root, tests, agree, likelihood = compiled_loops(square_roots).update(
+            *now, rows, innovation, *layout.tests, monitor, MEMORIES,
             settings.DRIFT_MOST_INNOVATION, settings.GROSS_ERROR_NIS,
         )  # fmt: skip
         nis, odd, drift = tests.tolist()
@@ -271,7 +305,7 @@ class ShipFilter:
         suspects = tuple(name for name, one in zip(readings, drift, strict=True) if one > settings.DRIFT_THRESHOLD)
         squared = dict(zip(readings, nis, strict=True))
         refused, surprising = ((), wrong) if agree else (wrong, ())
-        return now, UpdateResult(t, squared, refused, suspects, surprising, likelihood, max(drift))
+        return Gaussian(mean, root), UpdateResult(t, squared, refused, suspects, surprising, likelihood, max(drift))
 
     def layout(self, names: tuple[str, ...]) -> NumberLayout:
         if names not in self._layouts:

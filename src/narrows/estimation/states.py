@@ -4,14 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.results import BaseSummary, Tabulated, with_error
 from narrows.estimation.settings import REFERENCE_LENGTH
-from narrows.estimation.unscented import Gaussian
 from narrows.ship.checks import check_sizes
 
 if TYPE_CHECKING:
@@ -39,6 +38,15 @@ STATES = {
 def described(name: str) -> tuple[str, str]:
     """Return unit and meaning of a state; the error of a sensor has the SI unit of its reading."""
     return STATES.get(name, ("SI", f"error of a sensor, {name.replace('_', ' ')}"))
+
+
+class Gaussian(NamedTuple):
+    mean: np.ndarray  # (n,) Mean
+    root: np.ndarray  # (n, k) Root of the covariance, lower triangular
+
+    @property
+    def covariance(self) -> np.ndarray:
+        return np.asarray(self.root @ self.root.T)
 
 
 MOTIONS = {"surge": "u", "sway": "v", "yaw": "r"}  # States of the motions whose walks are given
