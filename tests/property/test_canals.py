@@ -100,7 +100,7 @@ def test_a_waterway_goes_to_a_file_and_back(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("profile", "said"),
-    [([[0, 0], [-5, 3]], "turns back"), ("steep", "not pairs"), ([[0, 0]], "two points or more")],
+    [([[0, 0], [-5, 3]], "turns back"), ("steep", "each distance and height"), ([[0, 0]], "two points or more")],
 )
 def test_profiles_that_cannot_be_are_named(tmp_path: Path, profile: object, said: str) -> None:
     nw.write_waterway(canal(SLOPE, origin=(7.6, 52.0)), tmp_path / "canal.geojson")

@@ -137,7 +137,7 @@ def test_texts_that_are_no_geojson_are_refused(tmp_path: Path, name: str) -> Non
         ),
         (("features", 2, "geometry", "coordinates", 3), [True, 1], "the port has a coordinate that is not two numbers"),
         (("features", 1, "properties", "profile", 1), [30.0, 1e308], "starboard bank has the point 30, 1e"),
-        (("features", 1, "properties", "profile"), [], "starboard bank is empty"),
+        (("features", 1, "properties", "profile"), [], "starboard bank \\[\\] needs two points"),
         (("features", 1, "properties", "profile", 1), [30.0, -1.0], "none below the bottom"),
         (("features", 0, "properties", "depth"), 1e308, "is deeper than any sea"),
         (("features", 0, "properties", "depth", 2), [[]], "is not a number or one for each point"),

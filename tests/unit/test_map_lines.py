@@ -126,7 +126,6 @@ RING = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
 COMMANDS = {
     "one line": ([feature(AXIS.points)], "--width 300 --depth 16"),
     "one line with sizes": ([feature(AXIS.points, width=150, depth="16 m")], "--width 150 --depth 16"),
-    "one line in feet": ([feature(AXIS.points, width="500 ft", depth="52.5 feet")], "--width 152.4 --depth 16.002"),
     "an area and its line": ([feature(RING, kind="Polygon"), feature(AXIS.at(PLACES[1:-1]))], "--depth 16"),
 }  # fmt: skip
 

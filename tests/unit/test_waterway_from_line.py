@@ -71,29 +71,9 @@ def saved(path: Path, *shapes: tuple[str, object, dict]) -> Path:
     return path
 
 
-def test_of_a_canal_that_bends_latitude_first_is_told_for_certain(tmp_path: Path) -> None:
-    shapes = [("LineString", [point[::-1] for point in degrees(p)], {"role": r}) for r, p in BENDING.items()]
-    with pytest.raises(nw.InputError, match="only if latitude comes first; put longitude first"):
-        nw.read_waterway(saved(tmp_path / "turned.geojson", *shapes))
-    exchanged = zip(BENDING, (AXIS, BENDING["port"], BENDING["starboard"]), strict=True)
-    shapes = [("LineString", degrees(points), {"role": role}) for role, points in exchanged]
-    with pytest.raises(nw.InputError, match="exchange their roles"):
-        nw.read_waterway(saved(tmp_path / "exchanged.geojson", *shapes))
-
-
 def test_longitudes_may_count_to_360(tmp_path: Path) -> None:
     shapes = [("LineString", [[x + 340, y] for x, y in degrees(p)], {"role": r}) for r, p in BENDING.items()]
     assert nw.read_waterway(saved(tmp_path / "west.geojson", *shapes)).place == "about 54.12 N, 10.76 W"
-
-
-def test_a_width_at_each_point_makes_the_banks(tmp_path: Path) -> None:
-    widths = (150 + np.arange(61)).tolist()
-    line = ("LineString", degrees(AXIS), {"width": widths, "depth": 11})
-    read = nw.read_waterway(saved(tmp_path / "line.geojson", line))
-    assert float(read.section(read.line.length / 2).width) == pytest.approx(180, abs=3)
-    assert float(read.section(0.0).depth) == 11
-    with pytest.raises(nw.InputError, match="has 61 points; give each a width over 0 m"):
-        nw.read_waterway(saved(tmp_path / "few.geojson", (*line[:2], {"width": widths[1:]})))
 
 
 def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -> None:
@@ -116,7 +96,7 @@ def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -
         ((), "--line axis.geojson --width 300 --depth 16"),
         (("--line", "line.geojson", "--width", "300"), "--depth 16"),
         (("--line", "line.geojson", "--width", "-3", "--depth", "16"), "give metres over 0"),
-        (("canal.geojson", "--width", "300"), "leave it out"),
+        (("canal.geojson", "--width", "300"), "at most one of [FILE], --width"),
     ],
 )
 def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tmp_path, cli, monkeypatch) -> None:

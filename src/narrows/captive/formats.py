@@ -11,7 +11,7 @@ import pandas as pd
 from narrows.base.errors import InputError
 from narrows.captive.settings import SHORTEST_RECORD
 from narrows.readers import cells
-from narrows.ship.particulars import equivalent_wall
+from narrows.ship.particulars import wall_of
 
 Translated = tuple[pd.DataFrame, tuple[str, ...]]
 
@@ -171,7 +171,7 @@ class Lataire(Layout):
             if name not in BANKS:
                 raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
         depths = cells.numbers(ahead, "depth [m]", table)
-        walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(ahead["bank"], depths, strict=True)])
+        walls = np.array([wall_of(BANKS[b], h) for b, h in zip(ahead["bank"], depths, strict=True)])
         ahead["y [m]"] = cells.numbers(ahead, "y [m]", table) - (walls - WALL) / 2
         ahead["width [m]"] = walls + WALL
         left = len(frame) - len(ahead)

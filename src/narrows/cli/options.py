@@ -120,7 +120,7 @@ class Together(NamedTuple):
         words = {str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context)
                  for own in context.command.params}  # fmt: skip
         given = {
-            name for name in words if context.params.get(name)
+            name for name in words if context.params.get(name) is not None
             and context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         }  # fmt: skip
         for names, others in self.needs.items():

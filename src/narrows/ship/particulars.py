@@ -303,14 +303,20 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
     >>> round(nw.equivalent_wall([(10.0, 0.0), (20.0, 8.0)], depth=5.0), 2)
     13.12
     """
+    check_profile(profile, "bank")
+    return wall_of(profile, depth)
+
+
+def wall_of(profile: Sequence[Point], depth: float) -> float:
+    """Return the equivalent wall of a checked profile [m]."""
     if not depth > 0:
         raise InputError(f"a depth of {depth} m is no water; give it in metres")
-    if len(profile) < 2 or any(height < 0 for _, height in profile):
-        raise InputError(f"the bank {list(profile)} needs two points or more, none below the bottom; mend it")
-    if any(after[0] < before[0] for before, after in pairwise(profile)):
-        raise InputError(f"the bank {list(profile)} turns back; give its points outward from the toe")
-    taken = sum(_below(before, after, depth) for before, after in pairwise(profile))
-    wall = profile[-1][0] - taken / depth
+    wall = profile[-1][0]
+    for (start, low), (stop, high) in pairwise(profile):
+        # Mean depth of the water above a straight piece of bank
+        wet, end = max(depth - low, 0.0), max(depth - high, 0.0)
+        above = wet if high == low else (wet - end) * (wet + end) / (2 * (high - low))
+        wall -= (stop - start) * (1 - above / depth)
     if not wall > 0:
         raise InputError(f"the bank {list(profile)} leaves no water {depth} m deep; check both")
     return wall
@@ -324,16 +330,25 @@ def keel_wall(profile: Sequence[Point], clearance: float) -> float:
     return profile[-1][0]
 
 
-def _below(before: Point, after: Point, depth: float) -> float:
-    """Area of a straight piece of bank below the water level [m2]."""
-    (start, low), (stop, high) = before, after
-    if max(low, high) <= depth or high == low:
-        return (stop - start) * min((low + high) / 2, depth)
-    if min(low, high) >= depth:
-        return (stop - start) * depth
-    crossing = start + (stop - start) * (depth - low) / (high - low)
-    wet = crossing - start if low < high else stop - crossing
-    return wet * (min(low, high) + depth) / 2 + (stop - start - wet) * depth
+# Distance and height beyond those of any bank [m].
+PROFILE_REACH = 1e4
+
+
+def check_profile(profile: Any, what: str) -> None:
+    """Raise if the points of a bank are not pairs of distance and height, outward and above the bottom."""
+    try:
+        points = np.array(profile, float)
+    except (TypeError, ValueError, OverflowError):
+        points = np.empty(0)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+        raise InputError(f"the {what} {shown(profile)} needs two points or more, each distance and height; mend it")
+    for out, up in points:
+        if not (abs(out) < PROFILE_REACH and 0 <= up < PROFILE_REACH):
+            raise InputError(f"the {what} has the point {out:g}, {up:g}: give metres, none below the bottom")
+    if (back := np.diff(points[:, 0]) < 0).any():
+        raise InputError(
+            f"the {what} turns back at {points[int(back.argmax()), 0]:g} m; give its points outward from the toe"
+        )
 
 
 def half_swept(ship: Ship, heading: np.ndarray | float) -> np.ndarray:

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.base.errors import InputError
-from narrows.ship.particulars import Point, equivalent_wall, keel_wall
+from narrows.ship.particulars import PROFILE_REACH, Point, check_profile, keel_wall, wall_of
 from narrows.waterway.centreline import FARTHEST, Centreline, chords
 
 # Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a
@@ -120,12 +120,13 @@ class BankLine:
 
     @cached_property
     def _normals(self) -> Normals:
-        return Normals(self.line, with_crossings(self._distinct), 1 if self.side == "starboard" else -1)
+        return Normals(self.line, self._distinct, 1 if self.side == "starboard" else -1)
 
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
         """Corners, and the piece of the bank between each two, -1 for none; unseen ends are cut off."""
-        corners = self._normals.corners()
+        # Where a bank crosses itself another piece comes first between two corners: found to the samples of the line.
+        corners = np.union1d(self._normals.corners(), self.line.fine)
         pieces = self._normals.first((corners[1:] + corners[:-1]) / 2)[1]
         other = np.append(True, np.diff(pieces) != 0)
         corners, pieces = np.append(corners[:-1][other], corners[-1]), pieces[other]
@@ -158,49 +159,11 @@ def refuse_crossing(side: str, s: np.ndarray, wrong: np.ndarray) -> None:
         raise InputError(f"the {side} bank crosses the centreline at {along:.0f} m along it; mend it there")
 
 
-# Polylines that cross themselves, as hand-drawn and digitised ones do.
-def with_crossings(points: np.ndarray) -> np.ndarray:
-    """Return the points of a polyline, with added points where it crosses itself."""
-    # points (n, 2) [m]
-    one, other = _beside(points)
-    start, way = points[:-1], np.diff(points, axis=0)
-    across = _cross(way[one], way[other])
-    one, other, across = one[across != 0], other[across != 0], across[across != 0]
-    apart = start[other] - start[one]
-    share, share_other = _cross(apart, way[other]) / across, _cross(apart, way[one]) / across
-    inside = (share > 0) & (share < 1) & (share_other > 0) & (share_other < 1) & (np.abs(one - other) > 1)
-    piece, share = np.concatenate([one[inside], other[inside]]), np.concatenate([share[inside], share_other[inside]])
-    order = np.lexsort((share, piece))
-    piece, share = piece[order], share[order]
-    return np.insert(points, piece + 1, start[piece] + share[:, None] * way[piece], axis=0)
-
-
-def _beside(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces that overlap along the longer direction of the whole."""
-    column = points[:, int(np.ptp(points, axis=0).argmax())]
-    low, high = np.minimum(column[1:], column[:-1]), np.maximum(column[1:], column[:-1])
-    order = np.argsort(low)
-    low, high, pairs = low[order], high[order], [np.empty((2, 0), int)]
-    for offset in range(1, len(order)):
-        near = np.flatnonzero(low[offset:] <= high[:-offset])
-        if not near.size:
-            break
-        pairs.append(order[np.stack([near, near + offset])])
-    one, other = np.concatenate(pairs, axis=1)
-    return one, other
-
-
-def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
-
-
 # Largest number of normal-point pairs that are processed together.
 AT_ONCE = 4_000_000
 
 
 Wall = Callable[[Sequence[Point], float], float]
-# Reach of a profile from its line [m]: every point is nearer than this.
-PROFILE_REACH = 1e4
 
 
 @dataclass(frozen=True)
@@ -230,12 +193,12 @@ class Bank:
         if back.any():
             along = float(self.s[int(back.argmax())])
             raise InputError(f"the {self.side} bank doubles back at {along:.0f} m along the centreline; mend it there")
-        if self.profile:
-            _check_profile(self.profile, self.side)
+        if not (isinstance(self.profile, tuple) and not self.profile):
+            check_profile(self.profile, f"profile of the {self.side} bank")
 
     def wall(self, s: np.ndarray | float, depth: np.ndarray | float) -> np.ndarray:
         """Return the distance of a vertical wall with the same section of water [m], at places [m] and depths [m]."""
-        return self._set_back(s, depth, equivalent_wall)
+        return self._set_back(s, depth, wall_of)
 
     def keel(self, s: np.ndarray | float, clearance: np.ndarray | float) -> np.ndarray:
         """Return the distance at which a keel so far above the bottom [m] meets the bank at places [m]."""
@@ -256,29 +219,6 @@ class Bank:
         if self.drawn is not None:
             return self.drawn.distance(s)
         return np.asarray(np.interp(s, self.s, self.distance))
-
-
-def _check_profile(profile: tuple[Point, ...], side: str) -> None:
-    try:
-        points = np.array(profile, float)
-    except (TypeError, ValueError, OverflowError):
-        points = np.empty(0)
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
-    if len(points) < 2:
-        raise InputError(f"the profile of the {side} bank has one point; give it two points or more")
-    wrong = ~((np.abs(points[:, 0]) < PROFILE_REACH) & (points[:, 1] >= 0) & (points[:, 1] < PROFILE_REACH))
-    if wrong.any():
-        out, up = points[int(wrong.argmax())]
-        raise InputError(
-            f"the profile of the {side} bank has the point {out:g}, {up:g}: give metres, none below the bottom"
-        )
-    back = np.diff(points[:, 0]) < 0
-    if back.any():
-        distance = points[int(back.argmax()), 0]
-        raise InputError(
-            f"the profile of the {side} bank turns back at {distance:g} m; give its points outward from the toe"
-        )
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:

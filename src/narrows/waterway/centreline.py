@@ -1,7 +1,6 @@
 """A centreline that bends, a cubic spline through points; the nearest place to any position; currents along it."""
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -19,8 +18,6 @@ if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is u
 # Samples between two points of the line, as starting values of the search for the nearest place.
 SAMPLES_A_PIECE = 32
 ROUNDS = 12
-# Positions per block, which fit in the cache.
-BLOCK = 8192
 # Tolerance of the search, relative to the length of the line.
 STEP = 1e-10
 # Samples of the heading over the length of a bend.
@@ -98,20 +95,13 @@ class Centreline:
 
         return KDTree(self._spline(self._samples[0]))
 
-    @property
-    def _distances(self) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters and arc lengths that determine one by the other; of two points the ends, since they are linear."""
-        t, s = self._samples
-        return (t, s) if len(t) > SAMPLES_A_PIECE + 1 else (t[[0, -1]], s[[0, -1]])
-
     @cached_property
     def _from_distance(self) -> "PPoly":
-        t, s = self._distances
-        return _spline_through(s, t)
+        return _spline_through(*self._samples[::-1])
 
     @cached_property
     def _to_distance(self) -> "PPoly":
-        return _spline_through(*self._distances)
+        return _spline_through(*self._samples)
 
     @property
     def length(self) -> float:
@@ -167,15 +157,9 @@ class Centreline:
     def pose(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """Return positions as ``at``, and the line's heading there [rad]."""
         s, n = np.broadcast_arrays(np.asarray(s, float), np.asarray(n, float))
-
-        def posed(part: slice) -> tuple[np.ndarray, ...]:
-            t = self._from_distance(s.reshape(-1)[part])
-            rate = self._rate(t)
-            east, north = (self._spline(t) + n.reshape(-1)[part, None] * _starboard(rate)).T
-            return east, north, np.arctan2(rate[:, 0], rate[:, 1])
-
-        east, north, heading = _in_blocks(posed, s.size)
-        return np.stack([east, north], axis=-1).reshape(*s.shape, 2), heading.reshape(s.shape)
+        t = self._from_distance(s)
+        rate = self._rate(t)
+        return self._spline(t) + n[..., None] * _starboard(rate), np.arctan2(rate[..., 0], rate[..., 1])
 
     def locate(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the nearest places on the line, straight beyond its ends, to positions: along and off it [m]."""
@@ -185,34 +169,22 @@ class Centreline:
     def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the nearest place as ``locate`` [m], and the line's heading there [rad]."""
         positions = np.asarray(positions, float)
-        flat, shape = positions.reshape(-1, 2), positions.shape[:-1]
-        nearest = self._samples[0][self._tree.query(flat, workers=-1 if len(flat) > BLOCK else 1)[1]]
-        s, n, heading = _in_blocks(lambda part: self._placed(nearest[part], flat[part]), len(flat))
-        return s.reshape(shape), n.reshape(shape), heading.reshape(shape)
+        flat = positions.reshape(-1, 2)
+        placed = self._placed(self._samples[0][self._tree.query(flat)[1]], flat)
+        s, n, heading = (each.reshape(positions.shape[:-1]) for each in placed)
+        return s, n, heading
 
     def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, ...]:
-        left = np.arange(len(t))
-        for _ in range(ROUNDS if len(self.points) > 2 else 1):
-            step = self._step(t[left], positions[left])
-            t[left] += step
-            left = left[np.abs(step) > STEP * self._knots[-1]]
-            if not left.size:
+        for _ in range(ROUNDS):  # Newton's method towards the foot of the perpendicular
+            apart, rate = positions - self._spline(t), self._rate(t)
+            speed = (rate * rate).sum(axis=1)
+            steep = speed - (apart * self._bend(t)).sum(axis=1)
+            step = (apart * rate).sum(axis=1) / np.where(steep > 0, steep, speed)
+            t = t + step
+            if not (np.abs(step) > STEP * self._knots[-1]).any():
                 break
         apart, rate = positions - self._spline(t), self._rate(t)
         return self._to_distance(t), (apart * _starboard(rate)).sum(axis=1), np.arctan2(rate[:, 0], rate[:, 1])
-
-    def _step(self, t: np.ndarray, positions: np.ndarray) -> np.ndarray:
-        """Newton's step towards the foot of the perpendicular from a position."""
-        knots = self._spline.x
-        piece = np.clip(np.searchsorted(knots, t, "right") - 1, 0, len(knots) - 2)
-        u = (t - knots[piece])[:, None]
-        cubic, square, slope, start = self._spline.c[:, piece]
-        bend = 6 * cubic * u + 2 * square
-        rate = (3 * cubic * u + 2 * square) * u + slope
-        apart = positions - (((cubic * u + square) * u + slope) * u + start)
-        speed = np.einsum("ij,ij->i", rate, rate)
-        steep = speed - np.einsum("ij,ij->i", apart, bend)
-        return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
 
 
 def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
@@ -271,16 +243,6 @@ def _spline_through(parameters: np.ndarray, values: np.ndarray) -> "PPoly":
         np.stack([none, none, *line])[:, None] for line in ((slope, start - span * slope), (leaving, stop))
     )
     return PPoly(np.concatenate([before, spline.c, after], axis=1), np.array([first - span, *spline.x, last + span]))
-
-
-def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> tuple[np.ndarray, ...]:
-    """Process positions block by block on every core, and join the three result columns."""
-    parts = [slice(i, i + BLOCK) for i in range(0, count, BLOCK)]
-    if len(parts) == 1:  # Threads would take longer to start than one block to work on.
-        return work(parts[0])
-    with ThreadPoolExecutor() as pool:
-        blocks = list(pool.map(work, parts))
-    return tuple(np.concatenate([block[i] for block in blocks] or [np.empty(0)]) for i in range(3))
 
 
 def _starboard(rate: np.ndarray) -> np.ndarray:

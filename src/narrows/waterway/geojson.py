@@ -13,7 +13,6 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.files import form_of, reading, write_whole
-from narrows.ship.particulars import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room
 from narrows.waterway.map_lines import (
@@ -34,7 +33,6 @@ from narrows.waterway.waterway import Waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
-FOOT = 0.3048
 CURRENT = ("current", "current_across", "current_shear")
 
 
@@ -66,8 +64,8 @@ def read_waterway(path: str | Path) -> Waterway:
         origin = origin_of(points[drawn])
         features, metres = _roles(found, [projected(line, origin) for line in points])
         line = Centreline(metres["centreline"])
-        check_sides(metres, origin)
-        banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
+        check_sides(metres)
+        banks = {s: bank_from_points(s, metres[s], line, _profile(features[s])) for s in ROLES[1:]}
         by_role = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
         # Without a depth of the centreline that of the shallower bank counts.
         depths = by_role.get("centreline", min(by_role.values(), key=lambda own: own[1].min(), default=None))
@@ -181,8 +179,6 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
             f"--depth {depth} -o {written}"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
-        if isinstance(widths := lines[0].properties.get("width", lines[0].properties.get("widths")), list):
-            return _with_banks(lines[0], [metres(one) for one in widths], file)
         raise InputError(
             f"{file}: has one line; with a width{examples[0]} and a depth{examples[1]} it is a waterway: "
             f"narrows waterway --line {name} --width {width} --depth {depth} -o {written}"
@@ -198,21 +194,11 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
     return [one for one in features if one.role] or lines
 
 
-def _with_banks(feature: Feature, widths: list[float | None], file: str) -> list[Feature]:
-    """A centreline and its banks, by the width at each of its points."""
-    points = coordinates(feature, f"{file}: the line")
-    if len(widths) != len(points) or not all(width and 0 < width < FARTHEST for width in widths):
-        raise InputError(f"{file}: the line has {len(points)} points; give each a width over 0 m")
-    line, half = Centreline(projected(points, origin := origin_of(points))), np.array(widths, float) / 2
-    sides = {"centreline": 0.0, "starboard": 1.0, "port": -1.0}
-    drawn = {role: unprojected(line.at(line.stations, sign * half), origin).tolist() for role, sign in sides.items()}
-    return [
-        Feature(
-            {**(feature.properties if role == "centreline" else {}), "role": role},
-            {"type": "LineString", "coordinates": points},
-        )
-        for role, points in drawn.items()
-    ]
+def _profile(feature: Feature) -> Any:
+    value: Any = feature.properties.get("profile")
+    if value is None:
+        return ()
+    return tuple(map(tuple, value)) if value and pairs(value) is not None else value
 
 
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
@@ -312,19 +298,6 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
     return points
 
 
-def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
-    """Return the profile of a bank, empty for none: pairs of distance and height [m]."""
-    value = feature.properties.get("profile")
-    if value is None:
-        return ()
-    points = pairs(value, exactly=True)
-    if points is None:
-        raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
-    if not len(points):
-        raise InputError(f"the profile of the {side} bank is empty; give it two points or more, or leave it out")
-    return tuple((float(out), float(up)) for out, up in points)
-
-
 def depths_of(depth: Any, count: int) -> np.ndarray:
     """Return the depths of a centreline, (1,) or (count,) [m]: NaN for a missing one."""
     values = [np.nan if value is None else metres(value) for value in (depth if isinstance(depth, list) else [depth])]
@@ -366,10 +339,7 @@ def number(value: Any) -> float | None:
 
 
 def metres(value: Any) -> float | None:
-    """Return a size [m], as "16 m" or "52 ft" too; None if it is none."""
+    """Return a size [m], as "16 m" too; None if it is none."""
     with suppress(ValueError):
-        if not isinstance(value, str):
-            return number(value)
-        bare = value.strip().removesuffix("m").removesuffix("ft").removesuffix("feet")
-        return number(float(bare) * (FOOT if value.strip().endswith(("ft", "feet")) else 1.0))
+        return number(float(value.strip().removesuffix("m")) if isinstance(value, str) else value)
     return None

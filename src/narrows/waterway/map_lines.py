@@ -138,8 +138,6 @@ IN_DEGREES = ("CRS84", "4326", "4258")
 UTM = {326: False, 327: True, 258: False}
 # Iterations of a line between banks towards the middle, and its points per width of the waterway [1].
 ROUNDS, POINTS_A_WIDTH = 20, 1.0
-# Variation of the offsets of a bank over their mean below which its shape gives no information [1].
-EVEN = 0.02
 # Distance between the ends of two pieces of a line [deg]: a metre.
 TOUCHING = 1e-5
 
@@ -259,31 +257,14 @@ def _side(line: np.ndarray, other: np.ndarray) -> float:
     return float(sides[0]) if (sides == sides[0]).all() else 0.0
 
 
-def check_sides(lines: Mapping[str, np.ndarray], origin: np.ndarray) -> None:
+def check_sides(lines: Mapping[str, np.ndarray]) -> None:
     """Raise if both banks lie on the wrong side: their roles are exchanged, or the whole map is mirrored."""
-    offsets = _offsets(lines)
-    if not np.median(offsets["starboard"]) < 0 < np.median(offsets["port"]):
-        return
-    turned = {role: unprojected(points, origin)[:, ::-1] for role, points in lines.items()}
-    if np.abs(turned["centreline"][:, 1]).max() < NORTHMOST:
-        place = origin_of(turned["centreline"])
-        other = _offsets({role: projected(points, place) for role, points in turned.items()})
-        if 2 * _unevenness(other) + EVEN < _unevenness(offsets):
-            raise InputError("the banks run along the centreline only if latitude comes first; put longitude first")
-    raise InputError(
-        "each bank lies on the side of the other as one sails along the centreline; exchange their roles, turn the "
-        "centreline round, or, where the file has latitude first, put longitude before latitude"
-    )
-
-
-def _offsets(lines: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Offsets of the points of the banks from the centreline, to starboard [m]."""
     line = Centreline(lines["centreline"])
-    return {side: line.locate(lines[side])[1] for side in ROLES[1:]}
-
-
-def _unevenness(offsets: Mapping[str, np.ndarray]) -> float:
-    return float(sum(np.std(offset) / np.abs(np.mean(offset)) for offset in offsets.values()))
+    if np.median(line.locate(lines["starboard"])[1]) < 0 < np.median(line.locate(lines["port"])[1]):
+        raise InputError(
+            "each bank lies on the side of the other as one sails along the centreline; exchange their roles, turn the "
+            "centreline round, or, where the file has latitude first, put longitude before latitude"
+        )
 
 
 def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
