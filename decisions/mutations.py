@@ -1,8 +1,10 @@
 """Mutations: small errors put into the code one at a time, to see that a test fails for each.
 
-Each mutation changes one operator, comparison or number of a file; the tests of its package then run until
-the first failure. What no test notices is printed as a survivor, with its line before and after.
+Each mutation changes one operator, comparison or number of a file. The tests that run the changed line, as coverage.py
+recorded them, then run until the first failure, the quickest first. What no test notices is printed as a survivor, with
+its line before and after. Record first which test runs which line, with pytest-cov (half an hour):
 
+    python -m pytest -n auto --cov=narrows --cov-context=test --cov-report= --junitxml=out/tests.xml tests
     python decisions/mutations.py                     # 100 mutations, the same at every run
     python decisions/mutations.py --count 20 --seed 3 --of warning
 """
@@ -23,48 +25,17 @@ from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
+from xml.etree import ElementTree
+
+from coverage import CoverageData
 
 ROOT = Path(__file__).parents[1]
-# Tests of a package or of a part of it, the quickest first: the run of a mutation ends at the first failure. The
-# longest name that a file begins with counts.
-TESTS = {
-    "estimation": [
-        "unit/test_estimation_numbers.py",
-        "unit/test_estimation_algebra.py",
-        "unit/test_estimator.py",
-        "unit/test_consistency.py",
-    ],
-    "estimation/fault_bank.py": [
-        "unit/test_fault_bank.py",
-        "unit/test_estimation_numbers.py",
-        "unit/test_estimation_algebra.py",
-        "unit/test_estimator.py",
-        "warning/test_monitor_sensors.py",
-    ],
-    "control": ["engine/test_regulator.py", "engine/test_linear_system.py", "engine/test_speed_governor.py"],
-    "control/predictive": ["engine/test_predictive_parts.py", "engine/test_predictive.py"],
-    "warning": ["warning/test_alerts.py", "warning/test_scores.py", "warning/test_monitor_sensors.py"],
-    "warning/alerts": ["warning/test_alerts.py", "warning/test_monitor.py"],
-    "warning/forecasting": ["warning/test_scores.py", "warning/test_forecast.py"],
-    "warning/inputs": ["warning/test_nmea_decoder.py"],
-    "warning/monitoring": ["warning/test_monitor_sensors.py", "warning/test_monitor.py", "warning/test_bridge_page.py"],
-    "warning/page": ["warning/test_page_requests.py", "warning/test_bridge_page.py", "warning/test_clients.py"],
-    "warning/monitoring/watched_transit.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],
-    "safety": ["unit/test_envelope_parts.py", "unit/test_envelope.py", "unit/test_pilots.py"],
-    "safety/channel_rules.py": ["unit/test_channel_rules.py"],
-    "logbook": ["unit/test_learned_coefficient.py", "unit/test_ship_log.py", "unit/test_sensor_grades.py"],
-    "logbook/checking": ["unit/test_check_log.py"],
-    "logbook/filtering": ["unit/test_record_filter.py", "unit/test_log_posterior.py", "unit/test_learn.py"],
-    "logbook/learning": ["unit/test_log_posterior.py", "unit/test_learn.py", "unit/test_learn_transits.py"],
-    "logbook/reading": ["unit/test_read_log.py", "unit/test_nmea.py"],
-    "logbook/steady_legs": ["unit/test_learn_steady.py", "unit/test_plan_steady.py"],
-    "logbook/transits": ["unit/test_predict_information.py", "unit/test_learn_transits.py"],
-    "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py"],
-    "identification/mixed_model.py": ["unit/test_mixed_model.py", "unit/test_trust.py"],
-}
-PACKAGES = [name for name in TESTS if "/" not in name or name.startswith("identification")]
+PACKAGES = [
+    "estimation", "control", "warning", "safety", "logbook",
+    "identification/least_squares.py", "identification/mixed_model.py",
+]  # fmt: skip
+TESTING_TIME = 120  # [s], of the tests that run for one mutation when none of them fails
 TIME_LIMIT = 300  # [s], after which a mutation counts as noticed: it made something endless
-NOT_RUN = 70  # exit code of a child in which pytest itself fails
 ROUNDING = 1e-6  # a smaller number guards against rounding: twice as much is as good
 SWAPS: dict[type, type] = {
     ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Lt: ast.GtE, ast.GtE: ast.Lt,
@@ -85,6 +56,7 @@ class Mutation:
 
     path: Path  # of the file, relative to the package
     line: int
+    end: int  # its last line
     place: int  # of the node among those of the file that can be changed
     before: str
     after: str
@@ -138,19 +110,26 @@ def places(node: ast.AST) -> Iterator[tuple[ast.AST, str, int]]:
             yield from places(child)
 
 
+def text_of(path: Path) -> str:
+    """The source of a file of the package, empty where it is gone since the tests were recorded."""
+    file = ROOT / "src/narrows" / path
+    return file.read_text("utf-8") if file.exists() else ""
+
+
 def mutations(path: Path) -> list[Mutation]:
     """All mutations of a file."""
     found = []
-    for place, (parent, field, index) in enumerate(places(ast.parse((ROOT / "src/narrows" / path).read_text("utf-8")))):
+    for place, (parent, field, index) in enumerate(places(ast.parse(text_of(path)))):
         value = getattr(parent, field)
         node = value if index < 0 else value[index]
-        found.append(Mutation(path, node.lineno, place, ast.unparse(node), ast.unparse(changed(node))))
+        before, after = ast.unparse(node), ast.unparse(changed(node))
+        found.append(Mutation(path, node.lineno, node.end_lineno, place, before, after))
     return found
 
 
 def mutated(mutation: Mutation) -> str:
     """The text of the file with its error in it."""
-    tree = ast.parse((ROOT / "src/narrows" / mutation.path).read_text("utf-8"))
+    tree = ast.parse(text_of(mutation.path))
     parent, field, index = list(places(tree))[mutation.place]
     if index < 0:
         setattr(parent, field, changed(getattr(parent, field)))
@@ -172,48 +151,101 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutation]:
     return chosen
 
 
-def tests_of(path: Path) -> list[str]:
-    """The tests of a file of the package."""
-    return TESTS[max((name for name in TESTS if path.as_posix().startswith(name)), key=len)]
+class Coverage:
+    """The tests that ran each line of the package, with their times."""
+
+    def __init__(self, data: Path, times: Path) -> None:
+        self.data = CoverageData(str(data))
+        self.data.read()
+        self.files = {name.rpartition("/narrows/")[2]: name for name in self.data.measured_files()}
+        self.times: dict[str, float] = {}
+        for case in ElementTree.parse(times).iter("testcase"):
+            name = f"{case.get('classname')}.{case.get('name')}".replace(".", "/")
+            self.times[name] = self.times.get(name, 0.0) + float(case.get("time") or 0)
+
+    def tests_of(self, mutation: Mutation) -> list[str]:
+        """Tests of the mutated lines, else of the file, else (it is compiled) of files that import it; quickest first."""
+        by_line = self._tests(mutation.path)
+        here = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
+        here = here or {test for tests in by_line.values() for test in tests}
+        if not here:
+            module = ".".join(("narrows", *mutation.path.with_suffix("").parts))
+            users = [path for path in map(Path, self.files) if f"from {module} import" in text_of(path)]
+            here = {test for path in users for tests in self._tests(path).values() for test in tests}
+        chosen, left = [], float(TESTING_TIME)
+        for test in sorted(here, key=self.time_of):
+            left -= self.time_of(test)
+            if left < 0 and chosen:
+                break
+            chosen.append(test)
+        return chosen
+
+    def time_of(self, test: str) -> float:
+        """Time of a test [s]."""
+        path, _, name = test.partition("::")
+        return self.times.get(f"{path.removesuffix('.py')}/{name}".replace("::", "/").replace(".", "/"), 1.0)
+
+    def _tests(self, path: Path) -> dict[int, list[str]]:
+        by_line = self.data.contexts_by_lineno(self.files.get(path.as_posix(), ""))
+        # pytest-cov names the phase of a test behind a bar; at import there is no test
+        return {line: [name for each in found if (name := each.rpartition("|")[0])] for line, found in by_line.items()}
 
 
-def is_noticed(mutation: Mutation, source: Path) -> bool:
-    """Run the tests of a file on a copy of the package that has the error in it."""
+def is_noticed(mutation: Mutation, tests: list[str], source: Path) -> bool:
+    """Run tests on a copy of the package that has an error in it, and the one that fails without the error too."""
     file = source / "narrows" / mutation.path
     whole = file.read_text("utf-8")
-    file.write_text(mutated(mutation), "utf-8")
-    try:
-        return not succeed(tests_of(mutation.path), source)
-    finally:
+    while tests:
+        file.write_text(mutated(mutation), "utf-8")
+        failing = first_failure(tests, source)
         file.write_text(whole, "utf-8")
+        if not failing or failing not in tests or not first_failure([failing], source):
+            return bool(failing)
+        tests = [test for test in tests if test != failing]
+    return False
 
 
-def succeed(tests: list[str], source: Path) -> bool:
-    """Whether tests pass, in a process of its own, which shares the libraries that are loaded already."""
+def first_failure(tests: list[str], source: Path) -> str:
+    """The first test that fails ("": none), in a process of its own, which shares the libraries that are loaded."""
+    said, saying = os.pipe()
     child = os.fork()
     if not child:
         try:
-            os._exit(run_tests(tests, source))
+            run_tests(tests, source, saying)
         finally:
-            os._exit(NOT_RUN)
-    status = os.waitpid(child, 0)[1]
-    # 0: all pass; 1: one fails; 2: none can be collected, as where an import fails. Others tell nothing of the code.
-    if os.WIFEXITED(status) and os.WEXITSTATUS(status) > 2:
-        raise SystemExit(f"pytest does not run {', '.join(tests)} (exit code {os.WEXITSTATUS(status)})")
-    return status == 0
+            os._exit(0)
+    os.waitpid(child, 0)
+    os.write(saying, b"\n")
+    answer = os.read(said, 10_000).decode()
+    os.close(saying)
+    os.close(said)
+    if answer.startswith("?"):
+        raise SystemExit(f"pytest does not run {' '.join(tests)}")
+    # One empty line is written by this process alone: the other was killed, after TIME_LIMIT or by what it ran
+    return "no end" if answer == "\n" else answer.partition("\n")[0]
 
 
-def run_tests(tests: list[str], source: Path) -> int:
+def run_tests(tests: list[str], source: Path, answer: int) -> None:
+    """Write the first test that fails, or what cannot be collected, then an empty line, or ? where no test runs."""
     import pytest
+
+    class Failures:
+        def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+            if report.failed:
+                os.write(answer, f"{report.nodeid}\n".encode())
+
+        def pytest_collectreport(self, report: pytest.CollectReport) -> None:
+            if report.failed:
+                os.write(answer, f"{report.nodeid}\n".encode())
 
     signal.alarm(TIME_LIMIT)
     os.environ["PYTHONPATH"] = str(source)
     sys.path.insert(0, str(source))
     sys.dont_write_bytecode = True
     os.chdir(ROOT)
-    paths = [f"tests/{name}" for name in tests]
     with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-        return int(pytest.main(["-x", "-q", "-m", "not slow", "-p", "no:xdist", *paths]))
+        code = pytest.main(["-x", "-q", "-p", "no:xdist", *tests], plugins=[Failures()])
+    os.write(answer, b"?\n" if code > pytest.ExitCode.INTERRUPTED else b"\n")
 
 
 def main() -> None:
@@ -222,20 +254,18 @@ def main() -> None:
     options.add_argument("--count", type=int, default=100, help="how many mutations")
     options.add_argument("--seed", type=int, default=0, help="of the choice")
     options.add_argument("--of", choices=PACKAGES, help="one package alone")
-    options.add_argument("--unchecked", action="store_true", help="do not first see that the tests pass without error")
+    options.add_argument("--coverage", type=Path, default=ROOT / ".coverage", help="data of coverage.py, by test")
+    options.add_argument("--times", type=Path, default=ROOT / "out/tests.xml", help="times of the tests (JUnit XML)")
     asked = options.parse_args()
     for library in ("numba", "pandas", "pytest", "scipy.stats", "xarray"):
         import_module(library)  # once, for all children
 
+    coverage = Coverage(asked.coverage, asked.times)
     chosen, survivors = drawn(asked.count, asked.seed, asked.of), []
     with tempfile.TemporaryDirectory(prefix="narrows-mutations-") as folder:
         shutil.copytree(ROOT / "src/narrows", Path(folder) / "narrows", ignore=shutil.ignore_patterns("__pycache__"))
-        # What fails without an error notices everything.
-        for tests in [] if asked.unchecked else {tuple(tests_of(one.path)) for one in chosen}:
-            if not succeed([*tests], Path(folder)):
-                raise SystemExit(f"tests fail without a mutation: {', '.join(tests)}")
         for number, mutation in enumerate(chosen, 1):
-            noticed = is_noticed(mutation, Path(folder))
+            noticed = is_noticed(mutation, coverage.tests_of(mutation), Path(folder))
             print(f"{number:4d} {'noticed ' if noticed else 'SURVIVES'} {mutation}", flush=True)
             survivors += [] if noticed else [mutation]
     print(f"\n{len(survivors)} of {len(chosen)} mutations survive")
