@@ -164,13 +164,13 @@ class Coverage:
             self.times[name] = self.times.get(name, 0.0) + float(case.get("time") or 0)
 
     def tests_of(self, mutation: Mutation) -> list[str]:
-        """Tests of the mutated lines, else of the file, else (it is compiled) of files that import it; quickest first."""
+        """Tests of the mutated lines, else of the file, else (it is compiled) of its users; the quickest first."""
         by_line = self._tests(mutation.path)
         here = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
         here = here or {test for tests in by_line.values() for test in tests}
         if not here:
-            module = ".".join(("narrows", *mutation.path.with_suffix("").parts))
-            users = [path for path in map(Path, self.files) if f"from {module} import" in text_of(path)]
+            named = re.compile(rf"import .*\b{mutation.path.stem}\b|\.{mutation.path.stem} import")
+            users = [path for path in map(Path, self.files) if named.search(text_of(path))]
             here = {test for path in users for tests in self._tests(path).values() for test in tests}
         chosen, left = [], float(TESTING_TIME)
         for test in sorted(here, key=self.time_of):
