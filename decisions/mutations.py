@@ -151,6 +151,15 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutation]:
     return chosen
 
 
+def assigned_at(mutation: Mutation) -> list[str]:
+    """The names that the statement of a mutation assigns."""
+    for node in ast.walk(ast.parse(text_of(mutation.path))):
+        if isinstance(node, ast.Assign | ast.AnnAssign) and node.lineno <= mutation.line <= node.end_lineno:
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            return [name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)]
+    return []
+
+
 class Coverage:
     """The tests that ran each line of the package, with their times."""
 
@@ -164,9 +173,16 @@ class Coverage:
             self.times[name] = self.times.get(name, 0.0) + float(case.get("time") or 0)
 
     def tests_of(self, mutation: Mutation) -> list[str]:
-        """Tests of the mutated lines, else of the file, else (it is compiled) of its users; the quickest first."""
-        by_line = self._tests(mutation.path)
+        """Tests of the mutated lines, the quickest first.
+
+        Where those run at import: of the lines that have the assigned name, else of the file. Where they are compiled:
+        of the files that import it.
+        """
+        by_line, names = self._tests(mutation.path), assigned_at(mutation)
         here = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
+        if not here and names:
+            word = re.compile(rf"\b({'|'.join(names)})\b")
+            here = {test for path in map(Path, self.files) for test in self._tests_with(word, path)}
         here = here or {test for tests in by_line.values() for test in tests}
         if not here:
             named = re.compile(rf"import .*\b{mutation.path.stem}\b|\.{mutation.path.stem} import")
@@ -184,6 +200,13 @@ class Coverage:
         """Time of a test [s]."""
         path, _, name = test.partition("::")
         return self.times.get(f"{path.removesuffix('.py')}/{name}".replace("::", "/").replace(".", "/"), 1.0)
+
+    def _tests_with(self, word: re.Pattern[str], path: Path) -> Iterator[str]:
+        if word.search(text := text_of(path)):
+            by_line = self._tests(path)
+            for number, line in enumerate(text.splitlines(), 1):
+                if word.search(line):
+                    yield from by_line.get(number, ())
 
     def _tests(self, path: Path) -> dict[int, list[str]]:
         by_line = self.data.contexts_by_lineno(self.files.get(path.as_posix(), ""))
