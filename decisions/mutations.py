@@ -152,8 +152,9 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutation]:
 
 
 def assigned_at(mutation: Mutation) -> list[str]:
-    """The names that the statement of a mutation assigns."""
-    for node in ast.walk(ast.parse(text_of(mutation.path))):
+    """The names that the statement of a mutation assigns, outside functions."""
+    top = ast.parse(text_of(mutation.path)).body
+    for node in [*top, *(inner for kind in top if isinstance(kind, ast.ClassDef) for inner in kind.body)]:
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.lineno <= mutation.line <= node.end_lineno:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             return [name.id for target in targets for name in ast.walk(target) if isinstance(name, ast.Name)]
