@@ -1,16 +1,20 @@
 """The parts of a safe envelope by hand: areas, edges, causes; nothing is sailed here."""
 
 import math
+from dataclasses import replace
 from itertools import combinations
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 
+import narrows as nw
 from narrows.safety import headline
 from narrows.safety.headline import cause, crossing, largest_block, runs
 from narrows.safety.request import wind_force
-from narrows.safety.result import IN_KNOTS
+from narrows.safety.result import IN_KNOTS, SafeEnvelope, beyond_tests, data_coverage, exceeded_rules
 
 
 def test_the_first_run_ends_before_the_first_gap() -> None:
@@ -96,3 +100,235 @@ def test_offsets_are_told_from_the_middle(offsets: tuple[float, float], words: s
     grid = xr.Dataset(coords={"u": np.array([2.0, 4.0]) * 1852 / 3600})
     assert headline.place_in_words(grid, slice(0, 2), offsets) == f"up to 4.0 knots (slowest tried 2.0){words}"
     assert headline.place_in_words(grid, slice(1, 2), offsets) == f"at 4.0 knots{words}"
+
+
+KNOT = 1852 / 3600
+Y, U = np.array([-20.0, -10.0, 0.0, 10.0, 20.0]), KNOT * np.array([2.0, 4.0, 6.0, 8.0])
+SAFE = np.ones((5, 4))
+
+
+def asked(held: np.ndarray, **changed: Any) -> xr.Dataset:
+    """Shares of the cases by hand; all else allows every place, with 40 degrees of rudder and a reserve of a half."""
+    shares = {"held": held, "held_low": held, "held_high": held, "known": held, "certain": 0.0 * held}
+    others = {"clear": held >= 0, "tested": held >= 0, "clearance": held + 1.0, "rudder_likely": 0.0 * held}
+    tables = {name: (("y", "u"), np.asarray(table)) for name, table in {**shares, **others, **changed}.items()}
+    return xr.Dataset(tables, {"y": Y, "u": U}, {"untested": "", "samples": 80, "reserve": 0.5, "rudder_limit": 0.7})
+
+
+def said(held: np.ndarray, **changed: Any) -> str:
+    answer, limits = headline.headline(asked(held, **changed), 0.95)
+    return " ".join([*answer, *limits])
+
+
+def at(value: float, *places: tuple[Any, Any], base: np.ndarray = SAFE) -> np.ndarray:
+    table = np.array(base, float)
+    for place in places:
+        table[place] = value
+    return table
+
+
+SIDES = at(0.75, ([0, 4], slice(None)))  # 0.95 lies a fifth of the way from 10 to 20 m
+TRIED, LENGTHS = "the range that was tried", headline.AT_LENGTH
+EVERYWHERE = "up to 8.0 knots (slowest tried 2.0) within 20.0 m of the middle"
+TABLE: dict[str, tuple[dict[str, Any], str]] = {
+    "everywhere": (
+        {"held": SAFE},
+        f"Safe {EVERYWHERE}, with 95 % probability. The limit to the sides is {TRIED}; in speed, {TRIED}.",
+    ),
+    "to both sides": (
+        {"held": SIDES},
+        "Safe up to 8.0 knots (slowest tried 2.0) within 12.0 m of the middle, with 95 % probability. The limit to the "
+        f"sides is {LENGTHS['the disturbance']}; in speed, {TRIED}.",
+    ),
+    "one speed holds least": (  # 0.65 at 20 m: a seventh of the way
+        {"held": at(0.65, (4, 1), base=at(0.85, (4, slice(None))))},
+        "Safe up to 8.0 knots (slowest tried 2.0), from 20.0 m to port to 11.4 m to starboard of the middle, with 95 % "
+        f"probability. The limit to the sides is {LENGTHS['the disturbance']}; in speed, {TRIED}.",
+    ),
+    "single places farther out": (
+        {"held": at(0.85, (4, [1, 2, 3]))},
+        "Single places outside this are safe too. The limit to the sides is",
+    ),
+    "single places farther out on the other side": (
+        {"held": at(0.85, (3, [1, 2, 3]), base=at(0.85, (0, slice(None))))},
+        "Single places outside this are safe too, out to 20.0 m. The limit to the sides is",
+    ),
+    "too fast": (
+        {"held": at(0.5, (slice(None), 3)), "rudder_likely": 0.36 * SAFE},
+        "Safe up to 6.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. The limit to the "
+        f"sides is {TRIED}; in speed, {LENGTHS['the rudder']}.",
+    ),
+    "too fast, with half of the rudder": (
+        {"held": at(0.5, (slice(None), 3)), "rudder_likely": -0.34 * SAFE},
+        "Safe up to 6.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. The limit to the "
+        f"sides is {TRIED}; in speed, {LENGTHS['the disturbance']}.",
+    ),
+    "too slow": (
+        {"held": at(0.5, (slice(None), 0))},
+        f"Safe from 4.0 to 8.0 knots within 20.0 m of the middle, with 95 % probability. The limit to the sides is "
+        f"{TRIED}; in speed, {TRIED}.",
+    ),
+    "aground": (
+        {"held": SAFE, "clear": at(0.0, (slice(None), 2)) > 0},
+        "Safe up to 4.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. Single places "
+        f"outside this are safe too, up to 8.0 knots. The limit to the sides is {TRIED}; in speed, "
+        f"{LENGTHS['the keel']}.",
+    ),
+    "by the model alone": (
+        {"held": SAFE, "tested": at(0.0, (0, slice(None)), (slice(None), 3)) > 0},
+        "Safe up to 6.0 knots (slowest tried 2.0), from 10.0 m to port to 20.0 m to starboard of the middle, with 95 % "
+        f"probability. The limit to the sides is {LENGTHS['the tests end']}; in speed, {LENGTHS['the tests end']}. By "
+        f"the model also {EVERYWHERE}, but there the tests end.",
+    ),
+    "outside the tests alone": (
+        {"held": SAFE, "tested": SAFE < 0},
+        f"Nowhere safe within the tests; by the model {EVERYWHERE}. The limit is {LENGTHS['the tests end']}.",
+    ),
+    "never clear": (
+        {"held": SAFE, "clear": SAFE < 0, "clearance": at(math.nan, (2, 0))},
+        "No offset and speed is safe with 95 % probability. The limit is the choking of the canal.",
+    ),
+    "seldom": (
+        {"held": at(0.6, (slice(1, 3), slice(1, 3)), base=0.3 * SAFE)},
+        "No offset and speed is safe with 95 % probability: at best 60 % of the cases are held, at -10.0 m and 4.0 "
+        "knots; more likely held than not from 4.0 to 6.0 knots, from 13.3 m to port to 3.3 m to starboard of the "
+        "middle.",
+    ),
+    "a better pilot": (
+        {"held": SIDES, "known": SAFE},
+        "Safe up to 8.0 knots (slowest tried 2.0) within 12.0 m of the middle, with 95 % probability. The limit to the "
+        f"sides is {LENGTHS['the pilot']}; in speed, {TRIED}. A pilot with the true coefficients would control the "
+        f"ship {EVERYWHERE}.",
+    ),
+    "a better pilot between the places": (
+        {"held": at(0.9, (4, 0), base=SIDES), "known": at(0.9, (4, slice(None)), base=SAFE)},
+        "A pilot with the true coefficients would control the ship up to 8.0 knots (slowest tried 2.0), from 20.0 m to "
+        "port to 15.0 m to starboard of the middle.",
+    ),
+    "no pilot": (
+        {"held": 0.4 * SAFE, "known": 0.5 * SAFE, "certain": SAFE},
+        "at best 40 % of the cases are held, at -20.0 m and 2.0 knots. A pilot with the true coefficients would not "
+        f"control the ship either. The limit is {LENGTHS['uncertain coefficients']}.",
+    ),
+    "few cases": (
+        {"held": SAFE, "held_low": SIDES},
+        "Certain with 80 cases: up to 8.0 knots (slowest tried 2.0) within 10.0 m of the middle.",
+    ),
+    "too few cases": (
+        {"held": SAFE, "held_low": 0.5 * SAFE},
+        "With 80 cases this is uncertain everywhere; more samples (--samples, in Python samples=) make it certain.",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", TABLE)
+def test_sentences_are_those_of_tables_by_hand(case: str) -> None:
+    told, words = TABLE[case]
+    assert words in said(**told)
+
+
+def enveloped(held: np.ndarray, rudder: np.ndarray, **changed: Any) -> SafeEnvelope:
+    """The canal's keel walls lie 30 m to port and 40 m to starboard: its middle 5 m to starboard."""
+    attrs = {"wall_port": 30.0, "wall_starboard": 40.0}
+    angles = {"rudder": rudder, "rudder_95": np.abs(rudder), **changed}
+    return SafeEnvelope(
+        asked(held, **angles).assign_attrs(attrs).assign(clear=("u", np.arange(4) < 3), clearance=("u", np.ones(4)))
+    )
+
+
+def test_rows_of_offsets_and_speeds_are_read_from_the_grid() -> None:
+    """Safe at 4 and 6 knots, at the edges at 4 alone; at 10 m a better pilot holds it at 2 knots too."""
+    held = at(0.5, (slice(None), 0), ([0, 4], 2))
+    held[4] = 0.3  # at +20 m nowhere, and at +10 m at 2 knots more likely than not
+    held[3, 0], held[3, 1] = 0.6, 0.9
+    known = at(0.96, (3, slice(0, 3)), base=held)
+    rudder = np.arange(20.0).reshape(5, 4) / 40
+    found = enveloped(held, rudder, known=known)
+    nowhere = math.nan
+    np.testing.assert_allclose(found.highest_speed() / KNOT, [4, 6, 6, 6, nowhere])
+    np.testing.assert_allclose(found.lowest_speed() / KNOT, [4, 4, 4, 6, nowhere])
+    assert float(found.highest_speed(-15.0)) / KNOT == pytest.approx(5.0)
+    rows = found.offset_rows()
+    assert [row["offset"] for row in rows] == Y.tolist()
+    # The rudder at the highest safe speed: columns 1, 2, 2, 2; at +20 m nothing is likely: that of the lowest.
+    np.testing.assert_allclose([row["rudder"] for row in rows], np.degrees(rudder[range(5), [1, 2, 2, 2, 0]]))
+    np.testing.assert_allclose([row["rudder_95"] for row in rows], [row["rudder"] for row in rows])
+    np.testing.assert_allclose([row["held"] for row in rows], [1, 1, 1, 1, 0.3])
+    np.testing.assert_allclose([row["highest_speed"] for row in rows], [4, 6, 6, 6, nowhere])
+    np.testing.assert_allclose([row["lowest_speed"] for row in rows], [4, 4, 4, 6, nowhere])
+    np.testing.assert_allclose([row["highest_speed_median"] for row in rows], [6, 6, 6, 6, nowhere])
+    np.testing.assert_allclose([row["highest_speed_known"] for row in rows], [4, 6, 6, 6, nowhere])
+    # Above the safe speeds: at -20 m a steady rudder over half of 0.7 rad; 8 knots is not clear; below all, at +20 m.
+    assert found.limited_by() == ["the disturbance", "the keel", "the keel", "the keel", "the disturbance"]
+    likely = enveloped(held, rudder, rudder_likely=0.36 * SAFE, certain=at(1.0, (4, 0), base=0 * SAFE))
+    assert likely.limited_by() == ["the rudder", "the keel", "the keel", "the keel", "uncertain coefficients"]
+    speeds = found.speed_rows()
+    np.testing.assert_allclose([row["speed"] for row in speeds], [2, 4, 6, 8])
+    assert [row["keel_clear"] for row in speeds] == [True, True, True, False]
+    # The least rudder of the safe offsets, of which rows rise from port to starboard.
+    np.testing.assert_allclose([row["safest_offset"] for row in speeds], [nowhere, -20, -10, nowhere])
+
+
+def test_of_nearly_equal_rudders_the_offset_nearest_to_the_middle_is_safest() -> None:
+    rudder = np.tile(np.array([[0.2], [0.1], [0.10008], [0.10009], [0.10011]]), 4)
+    assert enveloped(SAFE, rudder).safest_offset()[:3].values.tolist() == [0.0] * 3  # 5 m from the middle, as is 10 m
+    rudder[2] += 1e-4
+    assert enveloped(SAFE, rudder).safest_offset()[:3].values.tolist() == [10.0] * 3
+    assert enveloped(SAFE, -rudder).safest_offset()[0] == 10.0
+
+
+def test_a_rudder_is_free_of_the_speed_if_it_is_so_where_it_is_needed() -> None:
+    same = np.tile(np.array([[0.2], [0.1], [0.0], [-0.1], [-0.2]]), 4)
+    assert enveloped(SAFE, same).speed_free
+    assert enveloped(SAFE, at(math.nan, (4, 0), base=same)).speed_free
+    other = same + at(0.0, (slice(None), slice(1, 4)), base=2e-6 * SAFE) * (np.abs(same) > 0)
+    assert not enveloped(SAFE, other).speed_free
+    assert not enveloped(SAFE, 0.0 * same).speed_free
+    assert not enveloped(SAFE, 5e-5 * SAFE).speed_free  # too little to tell
+
+
+RULES = SimpleNamespace(
+    rows=lambda: [
+        {"rule": "A", "width": 60.0, "port": -12.0, "starboard": 15.0, "slowest": 0.0, "fastest": 5.0, **NO_LIMITS},
+        {"rule": "A", "width": 50.0, "port": -9.0, "starboard": 15.0, "slowest": 5.0, "fastest": None, **NO_LIMITS},
+        {"rule": "B", "width": 90.0, "port": None, "starboard": None, "slowest": 0.0, "fastest": 3.9, **NO_LIMITS},
+        {"rule": "C", "width": None, "rudder": 5.0, "speed_limit": None, "standing": "checked in the source"},
+        {"rule": "D", "width": None, "rudder": None, "speed_limit": 5.9, "standing": "checked in the source"},
+        {"rule": "E", "width": None, "rudder": None, "speed_limit": 6.1, "standing": "checked in the source"},
+    ]
+)
+NO_LIMITS = {"rudder": None, "speed_limit": None, "standing": "checked in the source"}
+
+
+def test_rules_are_exceeded_where_the_envelope_is_safe_beyond_them() -> None:
+    """Safe up to 6 knots; at 2 knots to 10 m on either side, at 4 and 6 to 20 m to port."""
+    held = at(0.0, ([0, 4], 0), (slice(3, 5), slice(1, 3)))
+    rudder = np.radians([7.0, 3.0, 0.0, -3.0, -8.0])[:, None] * SAFE
+    data = enveloped(held, rudder).data
+    wider, harder, faster = exceeded_rules(data, RULES, 0.95)
+    # A: by 8 m at 4 knots, by 11 m at 6 knots; B: at 2 knots to 10 m on either side, where it leaves nothing.
+    assert wider.startswith("The envelope is wider than A (-9 m instead of -20 m) and B (nowhere instead of -10 m):")
+    assert harder.startswith("The envelope needs more rudder than C (5 instead of 7 degrees):")
+    assert faster.startswith("The model is safe up to 6.0 knots, above the limits of D (5.9 knots):")
+    assert exceeded_rules(enveloped(0.9 * SAFE, rudder).data, RULES, 0.95) == []
+    narrow = enveloped(at(0.0, ([0, 1, 3, 4], slice(None)), (slice(None), [1, 2, 3])), rudder).data
+    (only,) = exceeded_rules(narrow, RULES, 0.95)
+    assert only.startswith("The envelope is wider than B (nowhere instead of +0 m):")
+
+
+def test_tests_cover_what_is_nearer_to_the_middle_and_between_their_speeds() -> None:
+    model = nw.published("estimated_kcs")
+    tested = replace(
+        model.data_range, speed=(2.0, 4.0), abs_y=(20.0, 50.0), depth_to_draft=(1, 9), width_to_beam=(1, 99)
+    )
+    known = replace(model, data_range=tested)
+    found = data_coverage(known, np.array([-51.0, -50.0, 0.0, 50.0, 51.0]), np.array([1.9, 2.0, 4.0, 4.1]))
+    rows, columns = np.array([0, 1, 1, 1, 0]), np.array([0, 1, 1, 0])
+    np.testing.assert_array_equal(found, np.outer(rows, columns) > 0)
+    for name in ("abs_y", "speed", "width_to_beam", "depth_to_draft"):
+        less = replace(known, data_range=replace(tested, **{name: None}))
+        assert not data_coverage(less, np.zeros(1), np.array([3.0])).any()
+    dry = replace(known.configuration, canal=replace(known.configuration.canal, depth=None))
+    assert not data_coverage(replace(known, configuration=dry), np.zeros(1), np.array([3.0])).any()
+    assert [note.split()[3] for note in beyond_tests(known, np.array([-51.0, 0.0]), np.array([3.0]))] == ["offset"]
+    assert beyond_tests(known, np.array([-49.0, 0.0]), np.array([3.0])) == ()

@@ -190,8 +190,7 @@ def controllable_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataA
         share = shares[name] = safely(tried, limit, name).mean("sample")
         for end, column in zip(("low", "high"), share_interval(share.to_numpy(), count), strict=True):
             shares[f"{name}_{end}"] = share.copy(data=column)
-    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
-    filled = rudder.fillna(beyond.where(beyond != 0, np.inf))
+    filled = rudder.fillna(xr.where(rudder.median("sample") < 0, -np.inf, np.inf))
     middle = _quantile(filled, MEDIAN, "midpoint")
     angles = {
         "rudder": middle.where(np.isfinite(middle)),
