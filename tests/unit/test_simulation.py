@@ -2,7 +2,6 @@
 
 import json
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import narrows as nw
 from direct_equation import accelerations
 from dop853 import integrated
 from narrows.base.saving import save_dataset
+from narrows.simulation import settings
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
 
@@ -197,7 +197,7 @@ def test_an_interrupt_keeps_what_is_done(dtc: nw.Model, monkeypatch: pytest.Monk
             raise KeyboardInterrupt
         return real(self, values, vessels, workers)
 
-    monkeypatch.setattr(sys.modules["narrows.simulation.ensemble"], "BLOCK_VESSELS", 10)
+    monkeypatch.setattr(settings, "BLOCK_VESSELS", 10)
     monkeypatch.setattr(KernelRun, "run", run)
     ends = nw.ensemble(dtc, y=np.linspace(0.1, 2.5, 40))
     assert ends.attrs["complete"] == 0

@@ -104,7 +104,7 @@ def test_every_rule_asks_for_what_has_a_place() -> None:
         ({"y": 10**400}, "not a finite number"),
         ({"y": [0.0, 10**5000]}, "not a finite number"),
         ({"y": np.array(["2020-01-01"], "M8[ns]")}, "not a finite number"),
-        ({"y": [[1.0, 2.0], [3.0]]}, "neither a number nor a list"),
+        ({"y": [[1.0, 2.0], [3.0]]}, "not a finite number"),
         ({"y": [[1.0]]}, "2 dimensions"),
         ({"y": {}}, "not a finite number"),
         ({"y": SHIPS, "u": SHIPS[:2]}, "length and labels"),

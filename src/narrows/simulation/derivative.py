@@ -42,16 +42,8 @@ def derivative(
         The ship in its canal.
     state : sequence of six numbers, or mapping of str to number
         x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns. A mapping's missing entries are 0.
-    X, Y : number [N]
-        External surge and sway force.
-    N : number [N m]
-        External yaw moment.
-    surge : str
-        ``held``: constant speed; ``free``: it changes.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
-    coriolis : bool
-        Add the rigid body's Coriolis force.
+    X, Y, N, surge, surge_inertia, coriolis
+        As for ``simulate`` [N, N m, kg], but constant.
     **positions : number
         Positions of actuators by name: rudder [rad], revolutions [1/s]; at rest unless given.
 
@@ -86,14 +78,12 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    state : sequence of six numbers, or mapping of str to number
-        As for ``derivative``, but floats only.
+    model, state
+        As for ``derivative``.
     dt : float [s]
         Length of the step.
     **given : Any
-        As for ``derivative``.
+        As for ``derivative``, but floats only.
 
     Returns
     -------
@@ -191,11 +181,6 @@ def jacobian(
         The state; y is to starboard of the centreline.
     X, Y, N, surge, surge_inertia, coriolis, **positions
         As for ``derivative`` [N, N m, kg].
-
-    Returns
-    -------
-    Jacobian
-        ``A``, ``B``, ``G`` with the names of their rows and columns.
 
     Examples
     --------

@@ -19,19 +19,12 @@ from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
+from narrows.simulation import settings
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
-from narrows.simulation.settings import (
-    BLOCK_VESSELS,
-    MOST_IN_MEMORY,
-    MOST_STEPS,
-    MOST_STORED,
-    STEP_CHECK_VOYAGES,
-    STEP_ERROR_LIMIT,
-)
 from narrows.simulation.ship import Points, SimulatedShip, steering_of
 from narrows.simulation.store import attributes_of, empty_of
 
@@ -108,16 +101,16 @@ def ensemble(
     plain = grid_of(model, {"u": defaults.speed, **vary}, samples, seed)
     defaults = voyage_defaults(model, plain.values["u"])
     duration, dt = check_steps(
-        defaults.duration if duration is None else duration, defaults.dt if dt is None else dt, MOST_STEPS
+        defaults.duration if duration is None else duration, defaults.dt if dt is None else dt, settings.MOST_STEPS
     )
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
-    if store is None and grid.vessels > MOST_IN_MEMORY:
+    if store is None and grid.vessels > settings.MOST_IN_MEMORY:
         raise InputError(
             f"{grid.vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
         )
-    if grid.vessels > MOST_STORED:
-        raise InputError(f"{grid.vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
+    if grid.vessels > settings.MOST_STORED:
+        raise InputError(f"{grid.vessels:.3g} voyages are more than {settings.MOST_STORED:.0g}; vary less")
     run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:
@@ -154,7 +147,7 @@ def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -
     kept: Result = {name: np.full(shape, empty_of(kind), kind) for name, kind in OUTPUTS.items()}
     with bar(grid.vessels, progress) as advance:
         try:
-            for block in grid.blocks(BLOCK_VESSELS):
+            for block in grid.blocks(settings.BLOCK_VESSELS):
                 values, part = grid.flat(block)
                 for name, column in run.run(values, math.prod(part), workers).items():
                     kept[name][grid.region(block)] = column.reshape(part)
@@ -180,29 +173,21 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     """Repeat a sample at half the step, and return the share that changed."""
-    places = np.unique(np.linspace(0, grid.vessels - 1, STEP_CHECK_VOYAGES).round().astype(int))
-    first = {name: _picked(voyages[name], grid, places) for name in ("outcome", "side", "distance", "y_end")}
-    values = {name: _picked(value, grid, places) for name, value in grid.values.items()}
-    again = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1)
-    far = STEP_ERROR_LIMIT * run.ship.model.configuration.ship.beam
+    places = np.unique(np.linspace(0, grid.vessels - 1, settings.STEP_CHECK_VOYAGES).round().astype(int))
+    numbers = np.unravel_index(places, tuple(grid.sizes.values()))
+    index = {name: xr.DataArray(one, dims="vessel") for name, one in zip(grid.sizes, numbers, strict=True)}
+    picked = {name: value.isel(index, missing_dims="ignore") for name, value in grid.values.items()}
+    values = {name: value.to_numpy() if value.dims else float(value) for name, value in picked.items()}
+    again, first = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1), voyages.isel(index)
     same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
     moved = np.hypot(again["distance"] - first["distance"], again["y_end"] - first["y_end"])
-    changed = ~same_end | (moved > far)
+    changed = ~same_end | (moved > settings.STEP_ERROR_LIMIT * run.ship.model.configuration.ship.beam)
     if not changed.any():
         return ()
     return (
-        f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half "
-        f"of it they end differently, or more than {STEP_ERROR_LIMIT:.0%} of the beam off; shorten it.",
+        f"A time step of {float(np.max(run.dt)):g} s is too long for {float(changed.mean()):.0%} of these voyages: at "
+        f"half of it they end differently, or more than {settings.STEP_ERROR_LIMIT:.0%} of the beam off; shorten it.",
     )
-
-
-def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
-    """Return a value at some vessels; one number if it does not vary."""
-    if not value.dims:
-        return float(value)
-    index = dict(zip(grid.sizes, np.unravel_index(places, tuple(grid.sizes.values())), strict=True))
-    cut = value.isel({name: xr.DataArray(index[str(name)], dims="vessel") for name in value.dims})
-    return np.broadcast_to(cut.to_numpy(), len(places))
 
 
 def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
@@ -277,20 +262,20 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     distance = grounding_distance(voyages).to_numpy()
     count = {code.name.lower(): int((outcome == code).sum()) for code in Code}
     sides = {"starboard": int((side > 0).sum()), "port": int((side < 0).sum())}
-    near = float(np.nanmin(distance)) if count["grounded"] else None
-    where = f"{sides['starboard']} to starboard, {sides['port']} to port"
-    sentence = f"{outcome.size} voyages: {count['grounded']} ground ({where})"
-    nearest = f", the nearest after {near:.2f} m" if near is not None else ""
-    rest = f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal"
-    left = count["astern"] + count["passed"]
-    rest += f", {left} leave the waterway" if left else ""
-    diverged = count["diverged"]
-    rest += f", {diverged} diverge: shorten the time step or look at the coefficients" if diverged else ""
+    near, left = (float(np.nanmin(distance)) if count["grounded"] else None), count["astern"] + count["passed"]
+    parts = [
+        f"{outcome.size} voyages: {count['grounded']} ground "
+        f"({sides['starboard']} to starboard, {sides['port']} to port)",
+        f", the nearest after {near:.2f} m" if near is not None else "",
+        f"; {count['afloat']} are afloat at the end, {count['outside']} turn across the canal",
+        f", {left} leave the waterway" * bool(left),
+        f", {count['diverged']} diverge: shorten the time step or look at the coefficients" * bool(count["diverged"]),
+    ]
     notes = str(voyages.attrs.get("notes", "")).splitlines()
     return {
         "voyages": int(outcome.size), "outcomes": count, "sides": sides, "nearest": near,
         "complete": bool(voyages.attrs["complete"]), "notes": notes,
-        "summary": " ".join([f"{sentence}{nearest}{rest}.", *notes]),
+        "summary": " ".join([f"{''.join(parts)}.", *notes]),
     }  # fmt: skip
 
 

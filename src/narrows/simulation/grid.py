@@ -111,39 +111,24 @@ def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
 
 def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> xr.DataArray:
     """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions."""
-    array = value if isinstance(value, xr.DataArray) else _from_plain(name, value)
+    try:
+        array = value if isinstance(value, xr.DataArray) else np.asarray(value)
+        if array.dtype.kind not in "iufO":  # Complex numbers, words or dates
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name} = {shown(value)} is not a finite number; give it in SI units") from None
+    if not isinstance(array, xr.DataArray):
+        if array.ndim > 1:
+            raise InputError(f"{name} has {array.ndim} dimensions; name them in an xarray.DataArray")
+        array = xr.DataArray(array, {name: array} if array.ndim else None, [name] * array.ndim)
     if not array.size:
         raise InputError(f"{name} is empty; give at least one value")
-    if array.dtype.kind not in "iuf":
-        array = array.copy(data=_floats(name, array.to_numpy()))
     for dimension in array.dims:
         if not isinstance(dimension, str) or dimension in TAKEN or array.dims.count(dimension) > 1:
             raise InputError(f"{name} has a dimension {shown(dimension)}, which cannot be one; name it otherwise")
-    array = array.astype(float)
     check_number((places or {}).get(name, name), array)
     return array
-
-
-def _from_plain(name: str, value: Any) -> xr.DataArray:
-    try:
-        plain = np.asarray(value)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name} = {shown(value)} is neither a number nor a list of numbers; give one") from None
-    if plain.ndim > 1:
-        raise InputError(f"{name} has {plain.ndim} dimensions; name them in an xarray.DataArray")
-    plain = _floats(name, plain)
-    return xr.DataArray(plain, dims=[name], coords={name: plain}) if plain.ndim else xr.DataArray(float(plain))
-
-
-def _floats(name: str, values: np.ndarray) -> np.ndarray:
-    """Return floats; objects one by one, but no complex numbers, words or dates."""
-    try:
-        if values.dtype.kind in "iufO":
-            return values.astype(float)
-    except (TypeError, ValueError, OverflowError):
-        pass
-    given = values.tolist()
-    raise InputError(f"{name} = {shown(given)} is not a finite number; give it in SI units")
 
 
 def sizes_of(values: Columns) -> dict[str, int]:

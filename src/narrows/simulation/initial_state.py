@@ -15,20 +15,12 @@ from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import PROPELLER, places_of
 from narrows.ship.motion import Motion
+from narrows.simulation import settings
 from narrows.simulation.controllers import Controller
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
-from narrows.simulation.settings import (
-    DEFAULT_FROUDE,
-    DEFAULT_LENGTHS,
-    DEFAULT_OFFSET,
-    DEFAULT_SHARE_OF_CHOKING,
-    DEFAULT_STEPS_A_LENGTH,
-    NEAR_THE_BANK,
-    OWN_REVOLUTIONS,
-)
 from narrows.simulation.ship import SimulatedShip, Steering
 
 if TYPE_CHECKING:
@@ -62,7 +54,7 @@ def initial_state(
     inputs, channel = run.inputs(system, values)
     order = steering.asked if steering else None
     order = order.begin() if isinstance(order, Controller) else order
-    near = NEAR_THE_BANK * float(inputs["width"])
+    near = settings.NEAR_THE_BANK * float(inputs["width"])
     integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near, order)
     state = run.start(values)
     start = tuple(float(state[name]) for name in system.choices.kept)
@@ -117,10 +109,13 @@ def voyage_defaults(model: Model, speeds: Any = None) -> VoyageDefaults:
     given = given[(given > 0) & (given < math.inf)]
     if not given.size:
         low, high = model.data_range.speed or (0.0, math.inf)
-        most = DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if canal.depth else math.inf
-        given = np.array([min(max(DEFAULT_FROUDE * math.sqrt(GRAVITY * ship.length), low), high, most)])
-    longest, step = DEFAULT_LENGTHS * ship.length / given.min(), ship.length / given.max() / DEFAULT_STEPS_A_LENGTH
-    offset = max(canal.width - ship.beam, 0.0) / 2 * DEFAULT_OFFSET
+        most = settings.DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if canal.depth else math.inf
+        given = np.array([min(max(settings.DEFAULT_FROUDE * math.sqrt(GRAVITY * ship.length), low), high, most)])
+    longest, step = (
+        settings.DEFAULT_LENGTHS * ship.length / given.min(),
+        ship.length / given.max() / settings.DEFAULT_STEPS_A_LENGTH,
+    )
+    offset = max(canal.width - ship.beam, 0.0) / 2 * settings.DEFAULT_OFFSET
     return VoyageDefaults(*(float(f"{value:.2g}") for value in (given.max(), longest, step, offset)))
 
 
@@ -173,7 +168,7 @@ def steady_revolutions(model: Model, u: float) -> float | None:
     own = model.configuration.propeller.revolutions if model.configuration.propeller else 0.0
     if not (model.terms.propelled and own > 0 and u > 0):
         return None
-    least, most = (model.resistance(u, revolutions=own / (1 + side * OWN_REVOLUTIONS)) for side in (1, -1))
+    least, most = (model.resistance(u, revolutions=own / (1 + side * settings.OWN_REVOLUTIONS)) for side in (1, -1))
     return None if least >= 0 >= most else self_propulsion(model, u)
 
 

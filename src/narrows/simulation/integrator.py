@@ -10,15 +10,10 @@ from typing import NamedTuple
 from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN
 from narrows.codegen.kernels import event, single
+from narrows.simulation import settings
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.outcome import Code
-from narrows.simulation.settings import (
-    CLEARANCE_ROWS,
-    CONTACT_CLOSENESS,
-    CONTACT_TOLERANCE,
-    STEP_CHECK_STEPS,
-)
 from narrows.simulation.ship import PARAMETER
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
@@ -94,14 +89,14 @@ class VoyageIntegrator:
         """Return what ended the voyage, by the outcome of its last step: as kernels do."""
         if outcome == event.FINISHED:
             return Code.AFLOAT
-        return Code.DIVERGED if outcome == event.LOST else event.cause(*self._ends(state), CONTACT_CLOSENESS)
+        return Code.DIVERGED if outcome == event.LOST else event.cause(*self._ends(state), settings.CONTACT_CLOSENESS)
 
     def _ends(self, state: State) -> tuple[float, float, float, float]:
         return self.functions.ends(self._table, *state[:5], *self._end_inputs)  # type: ignore[no-any-return]
 
     def least_clearance(self, rows: Sequence[Row]) -> float | None:
         """Return the least clearance between hull and banks of a waterway [m]; None without an outline of the hull."""
-        looked = rows[:: max(1, len(rows) // CLEARANCE_ROWS)]
+        looked = rows[:: max(1, len(rows) // settings.CLEARANCE_ROWS)]
         return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
     def _exact_clearance(self, state: State) -> tuple[float, float]:
@@ -145,7 +140,9 @@ class VoyageIntegrator:
                 continue
             if self._exact and (trying or not clear):
                 before = self._from_banks(state)[0]
-            outcome = event.accept_step(control, left, clearance, before, sane, CONTACT_TOLERANCE, self.near, leaves)
+            outcome = event.accept_step(
+                control, left, clearance, before, sane, settings.CONTACT_TOLERANCE, self.near, leaves
+            )
             if outcome == event.LOST:
                 rows.append(Row(t, state))
                 return End(event.CLOSED if before <= self.near else outcome, self.clearance(state)[1])
@@ -191,7 +188,7 @@ def track_error(integrator: VoyageIntegrator, rows: Sequence[Row], dt: float) ->
     # order 4 is 16/15 of the difference. The errors add up; growth of an error by the motion itself is ignored.
     integrator.set(rudder_rate=0.0, revolutions_rate=0.0)
     states, errors = [row.state for row in rows[:-1] if row.ahead == dt], []
-    for state in states[:: max(1, len(states) // STEP_CHECK_STEPS)]:
+    for state in states[:: max(1, len(states) // settings.STEP_CHECK_STEPS)]:
         whole = integrator.stepped(state, dt)[0]
         halves = integrator.stepped(integrator.stepped(state, dt / 2)[0], dt / 2)[0]
         errors.append(16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1]))

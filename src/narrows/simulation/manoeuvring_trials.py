@@ -154,10 +154,8 @@ def turning_circle(
         A model with the terms of a rudder; those of the banks are left out.
     rudder : float [deg]
         Angle, positive if it turns the bow to starboard.
-    speed : float [m/s], optional
-        Speed of the approach; default: one that suits the ship.
-    dt : float [s], optional
-        Step; default: as in ``sail_trials``.
+    speed, dt : float [m/s, s], optional
+        As for ``sail_trials``.
     duration : float [s], optional
         Time from the order; default: 40 ship lengths at the approach speed.
     """
@@ -181,9 +179,7 @@ def zigzag(
         Angle; negative for a first order to port.
     heading : float [deg]
         Heading change at which the rudder is reversed.
-    speed : float [m/s], optional
-        Speed of the approach; default: one that suits the ship.
-    dt, duration : float [s], optional
+    speed, dt, duration : float [m/s, s], optional
         As for ``turning_circle``.
     """
     return TrialShip.of(model, speed, dt, duration).zigzag(rudder, heading)

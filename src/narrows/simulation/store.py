@@ -5,7 +5,7 @@ import math
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from itertools import starmap
 from pathlib import Path
 from typing import Any
@@ -31,20 +31,26 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
     for name, value in sorted(grid.values.items()):
         identity.update(f"{name} {value.dims}".encode())
         identity.update(np.ascontiguousarray(value.to_numpy()).tobytes())
-    with storing(path), bar(grid.vessels, progress) as advance:
-        group = opened(path, identity.hexdigest(), grid, blocks)
-        left = [number for number, done in enumerate(group[DONE][:]) if not done]
-        advance(grid.vessels - sum(_vessels(grid, blocks[number]) for number in left))
-        tasks = (
-            (str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number)
-            for number in tuple(left)
-        )
-        for number in _done(client, tasks):
-            left.remove(number)
-            advance(_vessels(grid, blocks[number]))
-        held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
-        # The voyages are the same under any labels: those of this call stand in the result.
-        return held.drop_vars(held.coords).assign_coords(grid.coordinates()).assign_attrs(complete=int(not left))
+    sizes = [(block.stop - block.start) * grid.vessels // grid.sizes[grid.axis] for block in blocks]
+    try:
+        with bar(grid.vessels, progress) as advance:
+            group = opened(path, identity.hexdigest(), grid, blocks)
+            left = [number for number, done in enumerate(group[DONE][:]) if not done]
+            advance(grid.vessels - sum(sizes[number] for number in left))
+            tasks = (
+                (str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number)
+                for number in tuple(left)
+            )
+            for number in _done(client, tasks):
+                left.remove(number)
+                advance(sizes[number])
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({reason(error)}); what is done stays, mend it and go on"
+        ) from None
+    held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
+    # The voyages are the same under any labels: those of this call stand in the result.
+    return held.drop_vars(held.coords).assign_coords(grid.coordinates()).assign_attrs(complete=int(not left))
 
 
 def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
@@ -73,22 +79,8 @@ def _done(client: Any, tasks: Iterator[tuple[str, KernelRun, Grid, tuple[slice, 
         yield int(future.result())
 
 
-def _vessels(grid: Grid, block: slice) -> int:
-    return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
-
-
 # Array of the folder: whether each block has run.
 DONE = "block_done"
-
-
-@contextmanager
-def storing(path: Path) -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"{path}: cannot be written ({reason(error)}); what is done stays, mend it and go on"
-        ) from None
 
 
 def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
