@@ -44,7 +44,8 @@ def parsed(thing: Any) -> docstring_parser.Docstring:
 
 def at_fields(thing: Any) -> dict[str, str]:
     """The description of each field of a result, in a comment that Sphinx reads: before it or behind it."""
-    source = inspect.getsource(thing) if inspect.isclass(thing) else ""
+    kinds = reversed(thing.__mro__) if inspect.isclass(thing) else ()
+    source = "".join(inspect.getsource(kind) for kind in kinds if kind.__module__.startswith("narrows"))
     found = re.findall(r"((?:^    #: .*\n)*)^    (\w+): [^#\n]*(?:#: (.*))?$", source, re.MULTILINE)
     return {name: before or behind for before, name, behind in found if before or behind}
 

@@ -83,9 +83,9 @@ class LearnedCoefficient(Aliased):
 
 @dataclass(frozen=True, repr=False)
 class LearnedAnswer(BaseResult):
-    model: Model
-    prior: Model
-    coefficients: Mapping[str, LearnedCoefficient]
+    model: Model  #: The model after the record
+    prior: Model  #: The model before
+    coefficients: Mapping[str, LearnedCoefficient]  #: Each before and after
 
     @property
     def std(self) -> dict[str, float]:

@@ -16,26 +16,17 @@ class SignalGrade:
 
     Raises an InputError where a number is negative or not finite, or there is no noise or period at all.
 
-    Parameters
-    ----------
-    noise, period : float [unit of the signal], [s]
-        Standard deviation from reading to reading, and the time between two readings.
-    wander, memory : float [unit of the signal], [s]
-        Standard deviation and correlation time of an error of a first-order process.
-    zero : float [unit of the signal]
-        Standard deviation of an error that is constant over a record.
-
     Examples
     --------
     >>> nw.SignalGrade(noise=0.5, period=1.0).noise
     0.5
     """
 
-    noise: float
-    period: float = 1.0
-    wander: float = 0.0
-    memory: float = 60.0
-    zero: float = 0.0
+    noise: float  #: Standard deviation from reading to reading [unit of the signal]
+    period: float = 1.0  #: Time between two readings [s]
+    wander: float = 0.0  #: Standard deviation of an error of a first-order process [unit of the signal]
+    memory: float = 60.0  #: Its correlation time [s]
+    zero: float = 0.0  #: Standard deviation of an error that is constant over a record [unit of the signal]
 
     def __post_init__(self) -> None:
         check_sizes(self, over=("noise", "period", "memory"))
@@ -47,21 +38,15 @@ class SensorGrade(BaseSummary):
 
     Raises an InputError where a name is no signal's.
 
-    Parameters
-    ----------
-    name, words : str
-        Name of the grade, and its meaning.
-    signals : mapping of str to SignalGrade
-        By the names of ``SIGNALS``; what is not there is not measured.
-
     Examples
     --------
     >>> nw.SensorGrade("tank", "", {"y": nw.SignalGrade(0.01)}).name
     'tank'
     """
 
-    name: str
-    words: str
+    name: str  #: Name of the grade
+    words: str  #: Its meaning
+    #: By the names of ``SIGNALS``; what is not there is not measured
     signals: Mapping[str, SignalGrade] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

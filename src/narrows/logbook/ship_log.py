@@ -23,19 +23,14 @@ class Signal:
 
     Raises an InputError where the two are not of one length, or a number is not finite.
 
-    Parameters
-    ----------
-    t, values : array (n,)
-        Times [s], and values in the unit of ``SIGNALS``.
-
     Examples
     --------
     >>> nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0])).values.tolist()
     [2.0, 3.0]
     """
 
-    t: np.ndarray
-    values: np.ndarray
+    t: np.ndarray  #: (n,) Times [s]
+    values: np.ndarray  #: (n,) In the unit of ``SIGNALS``
 
     def __post_init__(self) -> None:
         if np.ndim(self.t) != 1 or np.shape(self.t) != np.shape(self.values):
@@ -86,15 +81,6 @@ class ShipRecord(Aliased):
 
     Raises an InputError where a name is no signal's, what it names is none, or the antenna is not two numbers.
 
-    Parameters
-    ----------
-    name, signals : str and mapping of str to Signal
-        Name of the record, and its signals by name.
-    antenna : pair of float [m]
-        Place of the antenna of ``x`` and ``y``: forward and to starboard of midship.
-    condition : mapping of str to float
-        Loading, as in ``{"draft": 10.2}``.
-
     Examples
     --------
     >>> record = nw.ShipRecord("A", {"u": nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))})
@@ -102,10 +88,11 @@ class ShipRecord(Aliased):
     ['u']
     """
 
-    name: str
-    signals: Mapping[str, Signal]
+    name: str  #: Name of the record
+    signals: Mapping[str, Signal]  #: Its signals by name
+    #: Place of the antenna of ``x`` and ``y``: forward and to starboard of midship [m]
     antenna: tuple[float, float] = (0.0, 0.0)
-    condition: Mapping[str, float] = field(default_factory=dict)
+    condition: Mapping[str, float] = field(default_factory=dict)  #: Loading, as in ``{"draft": 10.2}``
 
     def __post_init__(self) -> None:
         check_signals(self.signals)
@@ -213,24 +200,15 @@ class ShipLog(BaseResult):
 
     Raises an InputError where two records share a name.
 
-    Parameters
-    ----------
-    records : tuple of ShipRecord
-        Each with a name of its own.
-    waterway : Waterway, optional
-        Line of x, y, psi and course; a plane without one.
-    notes : tuple of str
-        Notes of the reader: interpretation of columns, rows left out.
-
     Examples
     --------
     >>> len(nw.ShipLog((nw.ShipRecord("A", {}),)))
     1
     """
 
-    records: tuple[ShipRecord, ...]
-    waterway: Waterway | None = None
-    notes: tuple[str, ...] = ()
+    records: tuple[ShipRecord, ...]  #: Each with a name of its own
+    waterway: Waterway | None = None  #: Line of x, y, psi and course; a plane without one
+    notes: tuple[str, ...] = ()  #: Notes of the reader: interpretation of columns, rows left out
 
     def __post_init__(self) -> None:
         twice = [name for name, count in Counter(self.names).items() if count > 1]

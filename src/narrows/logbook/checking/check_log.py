@@ -35,16 +35,10 @@ class Finding(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class LogFindings(BaseResult):
-    """Faults and doubts of a log.
+    """Faults and doubts of a log."""
 
-    Parameters
-    ----------
-    findings, records : tuple of Finding, int
-        In the order of the records, and how many of these were looked at.
-    """
-
-    findings: tuple[Finding, ...]
-    records: int
+    findings: tuple[Finding, ...]  #: In the order of the records
+    records: int  #: How many of these were looked at
     notes: ClassVar[tuple[str, ...]] = (
         "no finding is no proof: a quiet record has little information on the sign of its rudder",
     )

@@ -223,35 +223,16 @@ class SignalNoise(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class LogFit(LearnedAnswer):
-    """Result of learning from a log.
+    """Result of learning from a log."""
 
-    Parameters
-    ----------
-    model, prior : Model
-        Learned model, and the model and covariance before the log.
-    coefficients : mapping of str to LearnedCoefficient
-        Coefficients before and after.
-    records : tuple of RecordAnswer
-        Contribution of each record.
-    gusts, noise : Gusts, optional; mapping of str to SignalNoise
-        Most likely gusts, if they were estimated, and noise of a reading of each signal.
-    disagreement, freedom, probability : float [1], int, float [1]
-        Sum of squared changes of the coefficients over their expected errors, number of combinations of coefficients
-        that the log determines, and probability of at least this sum if log and prior belong to one ship.
-    about : tuple of str
-        Assumptions, and records that were left out.
-    converged : bool
-        Whether the search converged.
-    """
-
-    records: tuple[RecordAnswer, ...]
-    gusts: Gusts | None
-    noise: Mapping[str, SignalNoise]
-    disagreement: float
-    freedom: int
-    probability: float
-    about: tuple[str, ...]
-    converged: bool
+    records: tuple[RecordAnswer, ...]  #: Contribution of each record
+    gusts: Gusts | None  #: Most likely gusts, if they were estimated
+    noise: Mapping[str, SignalNoise]  #: Noise of a reading of each signal
+    disagreement: float  #: Sum of squared changes of the coefficients over their expected errors [1]
+    freedom: int  #: Number of combinations of coefficients that the log determines
+    probability: float  #: Probability of at least this sum if log and prior belong to one ship [1]
+    about: tuple[str, ...]  #: Assumptions, and records that were left out
+    converged: bool  #: Whether the search converged
 
     @property
     def informative(self) -> bool:

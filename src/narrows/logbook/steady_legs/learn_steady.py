@@ -42,39 +42,19 @@ from narrows.simulation.ship import SimulatedShip
 
 @dataclass(frozen=True, repr=False)
 class SteadyFit(LearnedAnswer):
-    """Result of learning from steady legs.
+    """Result of learning from steady legs."""
 
-    Parameters
-    ----------
-    model, prior : Model
-        The model after the legs, and before.
-    coefficients : mapping of str to LearnedCoefficient
-        Each before and after.
-    readings, conditions : SteadyReadings, SteadyConditions
-        The legs, and assumptions on wind, zeros and remaining motion.
-    shared : mapping of str to (float, float)
-        Common errors of all legs, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
-        ``y_zero``; most likely value and standard error.
-    latent : array (legs, 4)
-        Most likely state of the ship: y [m], u [m/s], rudder, psi [rad].
-    chi_square, freedom, probability : float [1], int, float [1]
-        Sum of squares of the readings over their expected errors, its degrees of freedom, and the probability of at
-        least this sum if model, prior and errors are right.
-    leg_probabilities : mapping of str to float
-        The same probability of each leg, given all others.
-    findings : tuple of str
-        Faults and undetermined quantities.
-    """
-
-    readings: SteadyReadings
-    conditions: SteadyConditions
+    readings: SteadyReadings  #: The legs
+    conditions: SteadyConditions  #: Assumptions on wind, zeros and remaining motion
+    #: Common errors of all legs in SI, most likely value and standard error: ``wind_Y``, ``wind_N``, ``rudder_zero``,
+    #: ``drift_zero``, ``y_zero``
     shared: Mapping[str, tuple[float, float]]
-    latent: np.ndarray
-    chi_square: float
-    freedom: int
-    probability: float
-    leg_probabilities: Mapping[str, float]
-    findings: tuple[str, ...]
+    latent: np.ndarray  #: (legs, 4) Most likely state of the ship: y [m], u [m/s], rudder, psi [rad]
+    chi_square: float  #: Sum of squares of the readings over their expected errors [1]
+    freedom: int  #: Its degrees of freedom
+    probability: float  #: Probability of at least this sum if model, prior and errors are right [1]
+    leg_probabilities: Mapping[str, float]  #: The same probability of each leg, given all others
+    findings: tuple[str, ...]  #: Faults and undetermined quantities
 
     @property
     def contradicted(self) -> bool:

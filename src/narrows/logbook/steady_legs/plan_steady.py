@@ -27,21 +27,12 @@ from narrows.simulation.outcome import water_notes
 
 @dataclass(frozen=True)
 class PlannedLeg:
-    """A leg to hold.
+    """A leg to hold."""
 
-    Parameters
-    ----------
-    offset, speed : float [m], [m/s]
-        Offset to starboard of the middle, and speed through the water.
-    rudder, drift : tuple of float [rad]
-        Rudder that holds it, and drift (bow to starboard positive): 5 %, 50 % and 95 % quantiles, given the uncertainty
-        of the tests.
-    """
-
-    offset: float
-    speed: float
-    rudder: tuple[float, ...]
-    drift: tuple[float, ...]
+    offset: float  #: Offset to starboard of the middle [m]
+    speed: float  #: Speed through the water [m/s]
+    rudder: tuple[float, ...]  #: Rudder that holds it: 5 %, 50 % and 95 % quantiles, given the tests [rad]
+    drift: tuple[float, ...]  #: The same of the drift, bow to starboard positive [rad]
 
     @property
     def side(self) -> str:
@@ -51,34 +42,18 @@ class PlannedLeg:
 
 @dataclass(frozen=True, repr=False)
 class SteadyPlan(Tabulated):
-    """Legs to hold, in the order to hold them.
+    """Legs to hold, in the order to hold them."""
 
-    Parameters
-    ----------
-    legs : tuple of PlannedLeg
-        Nearest the middle first; none where none is allowed.
-    targets, std : tuple of str, and mapping of str to array (legs + 1,)
-        The coefficients that they are chosen for, and the standard error of each before the first leg and after each.
-    model, errors, conditions : Model, ReadingErrors, SteadyConditions
-        The ship, errors of the readings, and wind, zeros and what is left of motion.
-    reserve, clearance : float [1], [m]
-        Rudder, and clearance from the hull's side to a bank, that every leg leaves.
-    farthest : float [m]
-        Largest allowed offset of legs.
-    notes : tuple of str
-        Rejected legs and why, and assumptions.
-    """
-
-    legs: tuple[PlannedLeg, ...]
-    targets: tuple[str, ...]
-    std: Mapping[str, np.ndarray]
-    model: Model
-    errors: ReadingErrors
-    conditions: SteadyConditions
-    reserve: float
-    clearance: float
-    farthest: float
-    notes: tuple[str, ...]
+    legs: tuple[PlannedLeg, ...]  #: Nearest the middle first; none where none is allowed
+    targets: tuple[str, ...]  #: The coefficients that they are chosen for
+    std: Mapping[str, np.ndarray]  #: (legs + 1,) Standard error of each, before the first leg and after each
+    model: Model  #: The ship
+    errors: ReadingErrors  #: Errors of the readings
+    conditions: SteadyConditions  #: Wind, zeros and what is left of motion
+    reserve: float  #: Share of the rudder that every leg leaves [1]
+    clearance: float  #: Clearance from the hull's side to a bank that every leg leaves [m]
+    farthest: float  #: Largest allowed offset of legs [m]
+    notes: tuple[str, ...]  #: Rejected legs and why, and assumptions
 
     @property
     def most_rudder(self) -> float:

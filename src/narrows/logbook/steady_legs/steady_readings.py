@@ -42,21 +42,16 @@ class ReadingErrors(BaseSummary):
 
     Raises an InputError where one is negative or not finite, or that of the rudder or the drift is 0.
 
-    Parameters
-    ----------
-    y, u, rudder_deg, drift_deg : float [m], [m/s], [deg]
-        Errors of the offset, of the speed through the water, and of the angles.
-
     Examples
     --------
     >>> nw.ReadingErrors(rudder_deg=1.0).rudder_deg
     1.0
     """
 
-    y: float = 1.0
-    u: float = 0.1
-    rudder_deg: float = 1.0
-    drift_deg: float = 0.2
+    y: float = 1.0  #: Offset [m]
+    u: float = 0.1  #: Speed through the water [m/s]
+    rudder_deg: float = 1.0  #: Rudder [deg]
+    drift_deg: float = 0.2  #: Drift [deg]
 
     def __post_init__(self) -> None:
         check_sizes(self, over=("rudder_deg", "drift_deg"))
@@ -74,24 +69,14 @@ def reading_error(errors: ReadingErrors, name: str) -> float:
 
 @dataclass(frozen=True, repr=False)
 class SteadyReadings(BaseSummary):
-    """Legs on which a ship was held, in SI.
+    """Legs on which a ship was held, in SI."""
 
-    Parameters
-    ----------
-    legs : tuple of str
-        Their names.
-    values, errors : mapping of str to array (legs,)
-        ``y``, ``u``, ``rudder`` and ``drift`` with their standard deviations; ``heave`` and ``revolutions`` where they
-        were read.
-    source, sha256 : str
-        The file, or what it was; hash of the rows.
-    """
-
-    legs: tuple[str, ...]
+    legs: tuple[str, ...]  #: Their names
+    #: (legs,) ``y``, ``u``, ``rudder`` and ``drift``; ``heave`` and ``revolutions`` where they were read
     values: Mapping[str, np.ndarray]
-    errors: Mapping[str, np.ndarray]
-    source: str = ""
-    sha256: str = ""
+    errors: Mapping[str, np.ndarray]  #: (legs,) Standard deviations of the first four
+    source: str = ""  #: The file, or what it was
+    sha256: str = ""  #: Hash of the rows
 
     def __len__(self) -> int:
         return len(self.legs)
@@ -158,9 +143,9 @@ UNKNOWN = tuple(SHARED)
 class BeamWind(BaseSummary):
     """Standard deviations of a beam wind, for conditions with further fields."""
 
-    wind: float = 8.0
-    windage: float | None = None
-    wind_lever: float | None = None
+    wind: float = 8.0  #: Beam wind, from either side [m/s]
+    windage: float | None = None  #: Lateral area above the water; a tenth of the square of the length unless given [m2]
+    wind_lever: float | None = None  #: Where its force acts, off midship; a tenth of the length unless given [m]
 
     def __post_init__(self) -> None:
         check_sizes(self, over=[name for name in vars(self) if name.endswith("_time")])
@@ -182,38 +167,20 @@ class SteadyConditions(BeamWind):
 
     Raises an InputError where a number is negative or not finite, or the time of a leg is 0.
 
-    Parameters
-    ----------
-    wind : float [m/s]
-        Beam wind, from either side.
-    windage, wind_lever : float [m2], [m], optional
-        Lateral area above the water, and where the wind's force acts, off midship; by default a tenth of the square of
-        the length, and a tenth of the length.
-    wind_change : float [1]
-        Change of force and moment of the wind, from leg to leg.
-    rudder_zero_deg, drift_zero_deg : float [deg]
-        Zero errors of the readings, the same on every leg.
-    y_zero : float [m], optional
-        Zero error of the offset, from the places of banks and antenna; a thirtieth of the beam unless given.
-    yaw_rate_deg, yaw_change_deg, sway_change : float [deg/s], [deg/s], [m/s]
-        Mean yaw rate over a leg, and the changes of yaw rate and sway velocity over it.
-    leg_time : float [s]
-        Duration of the readings of a leg.
-
     Examples
     --------
     >>> nw.SteadyConditions(wind=2.0).wind
     2.0
     """
 
-    wind_change: float = 0.2
-    rudder_zero_deg: float = 1.0
-    drift_zero_deg: float = 1.0
-    y_zero: float | None = None
-    yaw_rate_deg: float = 0.005
-    yaw_change_deg: float = 0.01
-    sway_change: float = 0.02
-    leg_time: float = 120.0
+    wind_change: float = 0.2  #: Change of force and moment of the wind, from leg to leg [1]
+    rudder_zero_deg: float = 1.0  #: Zero error of the rudder, the same on every leg [deg]
+    drift_zero_deg: float = 1.0  #: Zero error of the drift [deg]
+    y_zero: float | None = None  #: Zero error of the offset; a thirtieth of the beam unless given [m]
+    yaw_rate_deg: float = 0.005  #: Mean yaw rate over a leg [deg/s]
+    yaw_change_deg: float = 0.01  #: Change of the yaw rate over a leg [deg/s]
+    sway_change: float = 0.02  #: Change of the sway velocity over a leg [m/s]
+    leg_time: float = 120.0  #: Duration of the readings of a leg [s]
 
     def summary(self) -> str:
         aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"

@@ -32,29 +32,17 @@ LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1
 
 @dataclass(frozen=True, repr=False)
 class InformationForecast(Tabulated):
-    """Expected standard errors of coefficients.
+    """Expected standard errors of coefficients."""
 
-    Parameters
-    ----------
-    transits, targets : tuple of int, tuple of str
-        How many transits are sailed; the coefficients.
-    std, prior_std : mapping of str to array (transits,), mapping of str to float
-        Their standard errors after so many transits, and now.
-    model, grade, conditions : Model, SensorGrade, TransitConditions
-        The ship, its sensors, and wind, gusts and wander of the aim.
-    u, duration : float [m/s], [s]
-        Speed through the water, and duration of a transit.
-    """
-
-    transits: tuple[int, ...]
-    targets: tuple[str, ...]
-    std: Mapping[str, np.ndarray]
-    prior_std: Mapping[str, float]
-    model: Model
-    grade: SensorGrade
-    conditions: TransitConditions
-    u: float
-    duration: float
+    transits: tuple[int, ...]  #: How many transits are sailed
+    targets: tuple[str, ...]  #: The coefficients
+    std: Mapping[str, np.ndarray]  #: (transits,) Their standard errors after so many transits
+    prior_std: Mapping[str, float]  #: Their standard errors now
+    model: Model  #: The ship
+    grade: SensorGrade  #: Its sensors
+    conditions: TransitConditions  #: Wind, gusts and wander of the aim
+    u: float  #: Speed through the water [m/s]
+    duration: float  #: Duration of a transit [s]
 
     @property
     def notes(self) -> tuple[str, ...]:

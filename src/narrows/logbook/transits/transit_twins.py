@@ -32,29 +32,17 @@ class TransitConditions(BeamWind):
 
     Raises an InputError where a number is negative or not finite, a time is 0, or a correlation is more than 1.
 
-    Parameters
-    ----------
-    wind : float [m/s]
-        Beam wind, from either side, the same all through a transit.
-    windage, wind_lever : float [m2], [m], optional
-        As in ``SteadyConditions``.
-    gust, gust_time : float [1], [s]
-        Force and moment of gusts over those of the wind, and their correlation time.
-    wander, wander_time : float [m], [s]
-        Wander of a pilot's aim about the middle, and its correlation time.
-    gust_correlation : float [1]
-        Between force and moment of gusts: 1 where they act at one place ahead of midship.
-
     Examples
     --------
     >>> nw.TransitConditions(wind=2.0).wind
     2.0
     """
 
-    gust: float = 0.3
-    gust_time: float = 40.0
-    wander: float = 3.0
-    wander_time: float = 400.0
+    gust: float = 0.3  #: Force and moment of gusts over those of the wind [1]
+    gust_time: float = 40.0  #: Correlation time of gusts [s]
+    wander: float = 3.0  #: Wander of a pilot's aim about the middle [m]
+    wander_time: float = 400.0  #: Its correlation time [s]
+    #: Correlation between force and moment of gusts: 1 where they act at one place ahead of midship [1]
     gust_correlation: float = 0.0
 
     def __post_init__(self) -> None:
