@@ -265,26 +265,6 @@ def test_rows_of_offsets_and_speeds_are_read_from_the_grid() -> None:
     speeds = found.speed_rows()
     np.testing.assert_allclose([row["speed"] for row in speeds], [2, 4, 6, 8])
     assert [row["keel_clear"] for row in speeds] == [True, True, True, False]
-    # The least rudder of the safe offsets, of which rows rise from port to starboard.
-    np.testing.assert_allclose([row["safest_offset"] for row in speeds], [nowhere, -20, -10, nowhere])
-
-
-def test_of_nearly_equal_rudders_the_offset_nearest_to_the_middle_is_safest() -> None:
-    rudder = np.tile(np.array([[0.2], [0.1], [0.10008], [0.10009], [0.10011]]), 4)
-    assert enveloped(SAFE, rudder).safest_offset()[:3].values.tolist() == [0.0] * 3  # 5 m from the middle, as is 10 m
-    rudder[2] += 1e-4
-    assert enveloped(SAFE, rudder).safest_offset()[:3].values.tolist() == [10.0] * 3
-    assert enveloped(SAFE, -rudder).safest_offset()[0] == 10.0
-
-
-def test_a_rudder_is_free_of_the_speed_if_it_is_so_where_it_is_needed() -> None:
-    same = np.tile(np.array([[0.2], [0.1], [0.0], [-0.1], [-0.2]]), 4)
-    assert enveloped(SAFE, same).speed_free
-    assert enveloped(SAFE, at(math.nan, (4, 0), base=same)).speed_free
-    other = same + at(0.0, (slice(None), slice(1, 4)), base=2e-6 * SAFE) * (np.abs(same) > 0)
-    assert not enveloped(SAFE, other).speed_free
-    assert not enveloped(SAFE, 0.0 * same).speed_free
-    assert not enveloped(SAFE, 5e-5 * SAFE).speed_free  # too little to tell
 
 
 RULES = SimpleNamespace(
