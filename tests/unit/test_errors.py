@@ -28,11 +28,7 @@ TABLES: dict[str, tuple[Spoil, list[str]]] = {
     "a NaN": (put("Y", 7, np.nan), ["row 9", "'Y'", "is empty or NaN", "mend"]),
     "text": (put("u", 3, "fast"), ["row 5", "'u'", "fast"]),
     "degrees as radians": (lambda f: f.assign(psi=np.degrees(f.psi)), ["'psi'", "looks like degrees", "psi [deg]"]),
-    "small degrees": (
-        lambda f: f.assign(psi=np.degrees(f.psi * 0.01), r=f.r * 0.01),
-        ["'psi' is 57 times", "degrees", "psi [deg]"],
-    ),
-    "rate in degrees": (lambda f: f.assign(r=np.degrees(f.r)), ["'r' is 57 times", "r [deg/s]"]),
+    "rate in degrees": (lambda f: f.assign(r=np.degrees(f.r)), ["dr/dt is 57 times rdot", "r [deg/s]"]),
     "across the canal": (lambda f: f.assign(**{"psi [deg]": 95.0}).drop(columns="psi"), ["row 2", "95.0 deg", "leave"]),
     "hull on the bank": (put("y", 4, 3.4), ["row 6", "'y' = 3.4 m", "bank"]),
     "unsorted time": (lambda f: f.iloc[::-1].reset_index(drop=True), ["row 3", "goes back in time", "sort"]),

@@ -255,7 +255,7 @@ def test_what_follows_from_the_other_columns_may_be_absent() -> None:
 
 
 DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
-    "headers of nobody": (headed({"u": "Geschw.", "Y": "Kanal 7"}), 'Y = "Kanal 7"  # GUESSED'),
+    "headers of nobody": (headed({"u": "Geschw.", "v": "Kanal 7"}), 'v = "Kanal 7"  # GUESSED'),
     "headers of any axes": (headed({"u": "Vx [m/s]", "v": "Vy [m/s]", "r": "wz [rad/s]"}), 'v = "Vy [m/s]"  # GUESSED'),
     "shortened headers": (
         headed({"y": "Offset [mm]", "vdot": "Sway acc.", "psi": "Hdg", "Y": "Sway F [N]"}, y=1e3, psi=DEG),
@@ -264,15 +264,15 @@ DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
     "a rudder of many degrees": (headed({"rudder": "Ruder"}, CLEAN.assign(rudder=30.0)), 'rudder = "deg"  # sure'),
     "German, shortened": (
         headed({"t": "Zeit [s]", "test": "Lauf", "psi": "Hdg", "u": "Geschw. längs", "v": "Geschw. quer",
-                "r": "Drehrate", "y": "Ablage [m]", "X": "K1 [N]", "Y": "K2 [N]", "N": "M [Nm]"},
+                "r": "Drehrate", "y": "Ablage [m]", "X": "Fx [N]", "Y": "Querkr. [N]", "N": "Giermom. [Nm]"},
                CLEAN.drop(columns=[*RATES, "x"]), psi=DEG, r=DEG),
-        'Y = "K2 [N]"  # GUESSED',
+        'Y = "Querkr. [N]"  # GUESSED',
     ),
     "upper case": (
         headed({"psi": "PSI", "u": "U", "v": "V", "r": "R", "t": "T", "test": "TEST"}), 'psi = "rad"  # sure',
     ),
     "a propeller": (
-        headed({"Y": "Kanal 7"}, CLEAN.assign(**{"Prop. [rpm]": 60.0})), 'revolutions = "Prop. [rpm]"  # GUESSED',
+        headed({"v": "Kanal 7"}, CLEAN.assign(**{"Prop. [rpm]": 60.0})), 'revolutions = "Prop. [rpm]"  # GUESSED',
     ),
     "a sign that only the path shows": (headed({"v": "Kanal 3"}, v=-1.0), 'v = "port"  # GUESSED'),
 }  # fmt: skip

@@ -33,9 +33,6 @@ TABLES: dict[str, tuple[Spoil, str]] = {
     "no unit at all": (lambda f: f.rename(columns={"u": "u [(m]"}), r"column 'u \[\(m\]': unknown unit"),
     "a rate for a speed": (lambda f: f.rename(columns={"u": "u [m/s2]"}), "m/s2 is not a unit of this .* in m/s"),
     "force for moment": (lambda f: f.rename(columns={"N": "N [N]"}), r"column 'N \[N\]': N is not a unit .* N m"),
-    "small degrees, suffix for r": (
-        lambda f: f.assign(psi=f.psi * TURN * 0.02, r_degps=f.r * TURN * 0.02).drop(columns="r"), "'psi' is 57 times",
-    ),
 }  # fmt: skip
 
 

@@ -66,27 +66,6 @@ def check_heading(table: CheckedColumns) -> None:
     )
 
 
-def check_rates(table: CheckedColumns, test: np.ndarray) -> None:
-    """Raise if psi and r differ by the factor of degrees to radians."""
-    columns = table.columns
-    if not {"t", "psi", "r"} <= columns.keys():
-        return
-    inside = test[1:] == test[:-1]
-    turned = np.diff(columns["psi"])[inside]
-    expected = (0.5 * (columns["r"][1:] + columns["r"][:-1]) * np.diff(columns["t"]))[inside]
-    if not (turned @ turned > 0 and expected @ expected > 0):
-        return
-    correlation = turned @ expected / math.sqrt((turned @ turned) * (expected @ expected))
-    factor = math.sqrt((turned @ turned) / (expected @ expected))
-    for name, other, unit, ratio in (("psi", "r", "deg", factor), ("r", "psi", "deg/s", 1 / factor)):
-        if correlation > 0.9 and 40 < ratio < 80 and table.is_bare(name):
-            or_other = "" if table.is_bare(other) else f", or correct the unit of {other}"
-            raise InputError(
-                f"{table.table}: column {name!r} is {ratio:.0f} times what {other} gives, so it looks like degrees; "
-                f"head it '{name} [{unit}]'{or_other}"
-            )
-
-
 def check_inside(table: CheckedColumns) -> None:
     """Raise if a hull corner touches or crosses a bank."""
     columns, ship = table.columns, table.configuration.ship

@@ -66,13 +66,6 @@ class Draft:
                 lines += [f"# not used: {_quoted(header)}" for header in self.unread]
         return "\n".join([*lines, ""])
 
-    def summary(self) -> str:
-        parts = []
-        for sure, word in ((True, "sure are"), (False, "guessed are")):
-            said = [f"{name} = {entry.header!r}" for name, entry in self.entries.items() if entry.sure is sure]
-            parts += [f"{word} {', '.join(said)}"] if said else []
-        return "; ".join(parts)
-
 
 def draft_columns(frame: pd.DataFrame) -> Draft:
     """Return a draft of the columns of a table of tests."""
@@ -90,7 +83,7 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
             entry = DraftEntry(header, unit if _scale(name, unit) else "", "", f"{header!r} is {name}", sure)
             values = floats(frame[header])
             draft.add(name, _with_unit(name, entry, values, draft), values)
-    while len(frame) >= settings.FEWEST_SCREENED and any(_by_numbers(draft, frame, header) for header in draft.unread):
+    while len(frame) >= settings.FEWEST_SCREENED and any(_by_motion(draft, frame, header) for header in draft.unread):
         pass
     return draft
 
@@ -120,38 +113,16 @@ def _with_unit(name: str, entry: DraftEntry, values: np.ndarray, draft: Draft) -
     return entry._replace(unit=unit, sure=entry.sure and large, reason=f"{entry.reason}; up to {most:.3g}, {remark}")
 
 
-def _by_numbers(draft: Draft, frame: pd.DataFrame, header: str) -> bool:
-    """Add a column that time, kinematics or forces determine; return whether they do."""
+def _by_motion(draft: Draft, frame: pd.DataFrame, header: str) -> bool:
+    """Add a column that agrees with the motion of the others; return whether it does."""
     values = floats(frame[header])
-    if "test" not in draft.entries and "test" not in frame and _names_tests(draft, frame[header]):
-        draft.add("test", DraftEntry(header, "", "", "it changes where time begins again", False), values)
-        return True
     if not np.isfinite(values).all() or np.ptp(values) == 0:
         return False
-    for name in COLUMNS:
-        if name in draft.columns:
-            continue
-        entry = _evenly_rising(name, header, values) or _moving_alike(name, header, values, draft)
-        if entry := entry or _last_force(name, header, draft, frame):
+    for name in (name for name in COLUMNS if name not in draft.columns):
+        if entry := _moving_alike(name, header, values, draft):
             draft.add(name, entry, values)
             return True
     return False
-
-
-def _names_tests(draft: Draft, labels: pd.Series) -> bool:
-    if "t" not in draft.columns:
-        return False
-    changes, begins = (labels != labels.shift())[1:].to_numpy(), np.diff(draft.columns["t"]) <= 0
-    return bool(begins.any() and (changes == begins).all())
-
-
-def _evenly_rising(name: str, header: str, values: np.ndarray) -> DraftEntry | None:
-    steps = np.diff(values)
-    typical = float(np.median(steps))
-    if name != "t" or _unit_of(header) not in ("", "s", "ms") or typical <= 0:
-        return None
-    even = np.mean(np.abs(steps - typical) < 1e-3 * typical) > settings.LEAST_CORRELATION
-    return DraftEntry(header, _unit_of(header) or "s", "", "it rises evenly", False) if even else None
 
 
 def _moving_alike(name: str, header: str, values: np.ndarray, draft: Draft) -> DraftEntry | None:
@@ -185,29 +156,6 @@ def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]
             with np.errstate(all="ignore"):
                 away = (np.diff(columns[column]) / steps - rate)[inside]
             yield float(np.sqrt(np.mean(away**2))) / own
-
-
-def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> DraftEntry | None:
-    """The only column left whose unit a force may have, if it is the only one of its kind that is missing."""
-    if name not in FORCES:
-        return None
-    left = [other for other in draft.unread if not (unit := _unit_of(other)) or _scale(name, unit)]
-    left = [other for other in left if np.ptp(floats(frame[other])) > 0]
-    kind = [other for other in FORCES if other not in draft.columns and FORCES[other].unit == FORCES[name].unit]
-    if name == "Y" and kind == ["X", "Y"] and len(left) == 2 and "v" in draft.columns:
-        following = {other: _share_of_sway(floats(frame[other]), draft.columns["v"]) for other in left}
-        if header == max(left, key=following.__getitem__):
-            return DraftEntry(header, _unit_of(header) or "N", "", "of two forces, it follows v", False)
-    if left != [header] or kind != [name]:
-        return None
-    return DraftEntry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False)
-
-
-def _share_of_sway(force: np.ndarray, v: np.ndarray) -> float:
-    """Share of a force's variance that the sway velocity and its changes explain [1]."""
-    basis = np.stack([np.ones(len(v)), v, np.gradient(v)], axis=1)
-    rest = force - basis @ np.linalg.lstsq(basis, force, rcond=None)[0]
-    return float(1 - rest.var() / force.var())
 
 
 def _unit_of(header: str) -> str:

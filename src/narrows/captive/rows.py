@@ -108,7 +108,6 @@ def checked(
         if by_name["psi"].stated:  # A compass counts from 0 to 360.
             columns["psi"] = np.where(columns["psi"] > math.pi, columns["psi"] - 2 * math.pi, columns["psi"])
         check.check_heading(found)
-        check.check_rates(found, test)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
     check.check_units(found)
     for name in by_actuator.keys() & columns.keys():

@@ -83,7 +83,7 @@ def _drafted(table: Path, ship: Path) -> str:
         write_whole(path, draft.toml(table.name, command))
     except (InputError, OSError):
         return ""
-    return f"; {path} is drafted, {draft.summary()}: check it, and type {command}"
+    return f"; {path} is drafted: check it, and type {command}"
 
 
 @cli.verb("narrows demo -o out")
