@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.base.errors import InputError
-from narrows.waterway.bank_clearance import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
+from narrows.waterway.bank_clearance import GAUSS
 from narrows.waterway.centreline import profile_at
 from narrows.waterway.waterway import Waterway
 
@@ -65,63 +65,25 @@ def least_walls(table: WaterwayTable, outline: np.ndarray) -> LeastWalls:
     # outline (points, 2) [m]. With midship at s and n, let w be the bound at s, linear between nodes, and r the extent
     # of the hull's outline to that side: then w - n - r (to port w + n - r) is at most the distance that the hull can
     # move perpendicular to the line before it meets that bank. If it is positive the hull is clear.
-    radius = float(np.hypot(*np.reshape(outline, (-1, 2)).T).max())
-    return LeastWalls(*(_least(table, radius, *side) for side in ((STARBOARD_BANK, 1), (PORT_BANK, -1))))
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
 
-
-def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.ndarray:
-    """Least distance of the bank along the hull from each node, over the cells on either side of it."""
-    # The position of a bank point relative to the line is nearly linear in s while midship passes a cell. The minimum
-    # at the nodes, less the largest sag below the chord, is a bound between them too.
-    step = table.step
-    # Greatest curvature [1/m] and rate of curvature [1/m2] in the cells beside each node.
-    bends, changes = (
-        np.pad(np.abs(table.curvature), 1, mode="edge"),
-        np.pad(np.abs(np.diff(table.curvature)) / step, 1),
-    )
-    bend = np.max([bends[:-2], bends[1:-1], bends[2:]], axis=0)
-    sag = step**2 / 8 * np.stack([bend, np.maximum(changes[:-1], changes[1:])])
-    least = np.full(len(table.s), np.inf)
-    ends = ((len(least),) * 2, (0, 0))
-    columns = np.ascontiguousarray(np.pad(table.nodes, ends, mode="edge")[:, [0, 1, 2, 3, column, column + 1]].T)
-    for direction in (-1, 1):
-        (before, out_before, *_), left, offset = _seen(columns, sign, 0), np.ones(len(least), bool), 0
-        while left.any():
-            offset += direction
-            ahead, out, line, turned = _seen(columns, sign, offset)
-            off = np.maximum(np.abs(out), np.abs(out_before)) * bend
-            window = radius + step * (1 + off + bend * bend * step * (radius + 2 * step))
-            lowest = _lowest(before, out_before, ahead, out, window) - sag[0] * (1 + off) - sag[1] * window
-            least = np.where(left, np.minimum(least, lowest), least)
-            passed = np.minimum(direction * ahead, direction * line) > window
-            left &= ~(passed | (turned < TURNED_AWAY)) & (abs(offset) <= len(least))
-            before, out_before = ahead, out
-    return least
-
-
-def _seen(columns: np.ndarray, sign: int, offset: int) -> tuple[np.ndarray, ...]:
-    """Return the bank so many nodes ahead, relative to each node; the line's distance ahead, its direction."""
-    count = (columns.shape[1] - 2) // 3  # Equal numbers beyond either end, plus the table's own end node
-    x, y, c, si, *_ = columns[:, count + 1 : 2 * count + 1]
-    line_x, line_y, line_c, line_si, bank_x, bank_y = columns[:, count + 1 + offset : 2 * count + 1 + offset]
-    dx, dy = bank_x - x, bank_y - y
-    return (
-        dx * c + dy * si,
-        sign * (dy * c - dx * si),
-        (line_x - x) * c + (line_y - y) * si,
-        line_c * c + line_si * si,
-    )
-
-
-def _lowest(ahead: np.ndarray, out: np.ndarray, to: np.ndarray, out_to: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """Least distance of a bank edge inside the window; infinite if none of it is inside."""
-    along = np.where(to == ahead, 1.0, to - ahead)
-    slope = np.where(to == ahead, 0.0, (out_to - out) / along)
-    first, last = (np.clip(x, -window, window) for x in (ahead, to))
-    inside = (np.minimum(ahead, to) <= window) & (np.maximum(ahead, to) >= -window)
-    upright = np.where(to == ahead, np.minimum(out, out_to), np.inf)
-    lowest = np.minimum(np.minimum(out + slope * (first - ahead), out + slope * (last - ahead)), upright)
-    return np.where(inside, lowest, np.inf)
+    radius, step = float(np.hypot(*np.reshape(outline, (-1, 2)).T).max()), table.step
+    reach = 2 * (radius + step)
+    size = 2 * int(np.ceil(reach / step)) + 1
+    bend, bounds = maximum_filter1d(np.abs(table.curvature), size, mode="nearest"), []
+    for wall, curvature in ((table.keel_starboard, table.curvature), (table.keel_port, -table.curvature)):
+        inside, outside, widest = (
+            maximum_filter1d(one, size, mode="nearest") for one in (curvature.clip(0.0), (-curvature).clip(0.0), wall)
+        )
+        narrowest = minimum_filter1d(wall, size, mode="nearest")
+        # A point of the bank at a distance d along the line is ahead by d (1 - (bend d)^2/6 - w inside) at least. The
+        # farthest one beside the hull, with an edge of the bank more, and for midship anywhere in the cells next to it:
+        share = 1 - (bend * reach) ** 2 / 6 - widest * inside
+        far = radius / np.maximum(share, 1e-9) + 2 * step
+        # The line turns away from a bank outside its bend, and the normals turn.
+        least = narrowest - far**2 / 2 * (outside + widest * bend**2)
+        bounds.append(np.where(far <= reach, least, -widest))
+    return LeastWalls(*bounds)
 
 
 # Largest number of cells in a table.
