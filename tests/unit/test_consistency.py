@@ -136,7 +136,7 @@ def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
     helm = nw.control.regulator(model, 0.2, 1.0, waterway=way)
     calm = ProcessNoise(**dict.fromkeys(vars(ProcessNoise()), 0.0))
     known = Prior(sway=0.0, yaw_rate=0.0, bank=0.0, current=0.0, current_across=0.0)
-    sensors = (*SENSORS, RudderIndicator(0.0))
+    sensors = (*SENSORS, RudderIndicator(bias=0.0, noise=0.0))
     silent = Estimator(model, sensors, waterway=way, noise=calm, prior=known).filter
     twins = sail_twins(silent, helm, (30.0, 0.2, 1.0, 0.0), 2, 30.0, False, 0.0, 0)
     start = dict(zip(silent.states.names, twins.states[0, 0], strict=True))

@@ -514,7 +514,8 @@ def test_every_number_of_a_sensor_changes_the_estimate() -> None:
     table, _ = record()
     found = {name: estimator(*sensors).run(table).mean[-1, :6].tobytes() for name, sensors in SENSED.items()}
     found["usual"] = estimator().run(table).mean[-1, :6].tobytes()
-    found["rudder"] = Estimator(steered(), [*SENSORS, RudderIndicator(0.05)]).run(table).mean[-1, :6].tobytes()
+    for indicator in (RudderIndicator(0.02), RudderIndicator(bias=0.05)):
+        found[repr(indicator)] = Estimator(steered(), [*SENSORS, indicator]).run(table).mean[-1, :6].tobytes()
     assert len(set(found.values())) == len(found)
 
 

@@ -317,17 +317,17 @@ class SensedHelm:
             self._inner = loop.controller.begin() if hasattr(loop.controller, "begin") else loop.controller
         self._past: list[tuple[float, VoyageState]] = []
         self._ahead = water_ahead(loop.model, loop.waterway)
-        measuring, indicator = estimation.sensors.split_sensors(loop.sensors)
+        measuring, self._indicator = estimation.sensors.split_sensors(loop.sensors)
         self._longest = max(sensor.delay for sensor in measuring.values())
         self._errors = {n: estimation.sensors.ErrorProcess(one, random) for n, one in measuring.items()}
         self._due = dict.fromkeys(measuring, -math.inf)
-        self._bias = float(indicator.bias * random.standard_normal())
+        self._bias, self._random = self._indicator.bias * random.standard_normal(), random
         return self._order
 
     def _order(self, t: float, state: VoyageState) -> float:
         self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.loop.dt]
         self._past.append((t, state))
-        rudder = state.rudder - self._bias
+        rudder = state.rudder + float(self._indicator.noise * self._random.standard_normal() - self._bias)
         estimate = self._estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
         if not estimate.ready:
             # No estimate yet: the rudder stays.

@@ -241,10 +241,12 @@ def sail_twins(
             now = process.after(now, dt / parts, random)
         states.append(now)
         indicated.append(after)
-    truth = np.array(states)
+    truth, noisy = np.array(states), np.array(indicated)
+    if RUDDER in filter.actuators and filter.indicator.noise:
+        noisy[..., filter.actuators.index(RUDDER)] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
     sailed = lanes, filter, times, truth, random
     readings = {name: _readings(sensor, *sailed)[:, :count] for name, sensor in filter.sensors.items()}
-    return Twins(times, truth[:, :count], np.array(indicated)[:, :count], readings, aground[:count])
+    return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
 
 
 def _positions(

@@ -166,7 +166,8 @@ class Log(Measuring):
 class RudderIndicator:
     """The indicated rudder angle, an input of the model."""
 
-    #: Standard deviation of a constant error, which becomes a state of the estimate; 0 for none [rad]
+    noise: float = 0.0  #: Standard deviation of a reading; 0 for none [rad]
+    #: That of a constant error, which becomes a state of the estimate; 0 for none [rad]
     bias: float = math.radians(1.0)
     name: ClassVar[str] = "rudder"
 

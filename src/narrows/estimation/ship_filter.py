@@ -224,8 +224,24 @@ class ShipFilter:
         return MarkovProcess(walks, times, pairs)
 
     @cached_property
+    def pairs(self) -> int:
+        """Pairs of sigma points of the motion: of the states, and of the noise of the rudder's indication if any."""
+        return len(self.disturbances.walks) + (RUDDER in self.actuators and self.indicator.noise > 0.0)
+
+    @cached_property
     def lanes(self) -> ShipLanes:
-        return ShipLanes(self.ship, self.states.names, 1 + 2 * len(self.disturbances.walks), self.waterway)
+        return ShipLanes(self.ship, self.states.names, 1 + 2 * self.pairs, self.waterway)
+
+    @cached_property
+    def rudder_noise(self) -> np.ndarray:
+        """Additions to the positions of the actuators at the sigma points, (1 or points, actuators)."""
+        # The last pair has the noise of the rudder's indication.
+        added = np.zeros((self.lanes.lanes, len(self.actuators)))
+        if self.pairs == len(self.disturbances.walks):
+            return added[:1]
+        size = self.indicator.noise * sigma_point_weights(self.pairs).distance
+        added[[self.pairs, 2 * self.pairs], self.actuators.index(RUDDER)] = size, -size
+        return added
 
     def with_faults(self, faults: frozenset[str]) -> "ShipFilter":
         """Return the filter with faults; each is made once."""
@@ -268,7 +284,7 @@ class ShipFilter:
 
     def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
         """Return one step of the motion; actuators move from start to end (actuators,)."""
-        lanes, size, weights = self.lanes, len(self.states), sigma_point_weights(len(now.mean))
+        lanes, size, weights = self.lanes, len(self.states), sigma_point_weights(self.pairs)
         left, noise = self.disturbances.over(duration)
 
         def move(points: np.ndarray) -> np.ndarray:
@@ -276,7 +292,7 @@ class ShipFilter:
             if self.estimated:
                 bank = points[:, self.states.places["bank"]] if "bank" in self.states.places else np.ones(len(points))
                 columns = lanes.columns_of(self.middle + points[:, size:] @ self.root.T, bank)
-            after: np.ndarray = left * lanes.advance(points, duration, start, end, columns)
+            after: np.ndarray = left * lanes.advance(points, duration, start, end + self.rudder_noise, columns)
             return after
 
         after, slopes = predict(now, move, noise, weights)
