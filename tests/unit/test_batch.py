@@ -48,7 +48,17 @@ def test_a_direction_without_data_stays_at_rest() -> None:
     h, g, _, upper = problems(3)
     h[:, 2, :] = h[:, :, 2] = 0.0
     g[:, 2] = 0.0
-    assert not solve_many(h, g, np.full(6, -np.inf), upper)[:, 2].any()
+    found = solve_many(h, g, np.full(6, -np.inf), upper)
+    assert not found[:, 2].any()
+    each = [solve(own, right, np.full(6, -np.inf), upper) for own, right in zip(h, g, strict=True)]
+    np.testing.assert_allclose(found, [one.z for one in each], rtol=1e-6, atol=1e-8)
+    assert not any(one.at_bound[2] for one in each)
+
+
+def test_more_problems_than_are_solved_at_once() -> None:
+    """z = g within the bounds, of 5 000 problems with a unit matrix."""
+    g = np.random.default_rng(0).normal(size=(5000, 2))
+    np.testing.assert_allclose(solve_many(np.eye(2), g, np.full(2, -0.5), np.full(2, 1.0)), np.clip(g, -0.5, 1.0))
 
 
 def test_what_cycles_goes_to_the_exact_solver(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -103,9 +103,10 @@ def test_a_bound_with_the_wrong_sign_of_multiplier_is_told() -> None:
     assert not found.satisfied
 
 
-def test_bounds_without_room_are_refused(short: nw.CaptiveTests) -> None:
-    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, (5.0, 1.0))
-    with pytest.raises(nw.InputError, match="bounds 5 to 1 leave b_v no room"):
+@pytest.mark.parametrize("high", [1.0, 5.0])
+def test_bounds_without_room_are_refused(short: nw.CaptiveTests, high: float) -> None:
+    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, (5.0, high))
+    with pytest.raises(nw.InputError, match=f"bounds 5 to {high:g} leave b_v no room"):
         nw.identify(short, nw.PAPER.with_terms("narrow", sway=[own]))
 
 

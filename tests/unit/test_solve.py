@@ -1,6 +1,7 @@
 """The solver against SciPy's stacked BVLS, against every active set by brute force, and against its own conditions."""
 
 from itertools import product
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from scipy.optimize import lsq_linear
 
 import narrows as nw
 from narrows.identification import least_squares
-from narrows.identification.least_squares import bounded_problem, kkt_residuals, solve, solve_many
+from narrows.identification.least_squares import Problem, bounded_problem, kkt_residuals, solve, solve_many
 from narrows.identification.normal_equations import accumulate
 
 
@@ -95,6 +96,56 @@ def test_conditions_fail_at_a_wrong_point() -> None:
     assert kkt_residuals(h, g, np.array([0.5, 0.0]), lower, upper).stationarity == pytest.approx(0.5)
     assert kkt_residuals(h, g, np.array([0.0, 0.0]), lower, upper).multiplier == pytest.approx(1.0)
     assert kkt_residuals(h, g, np.array([1.0, -0.1]), lower, upper).infeasibility == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("size", [1.0, 100.0])
+def test_a_direction_counts_as_data_from_a_millionth_of_the_largest_singular_value(size: float) -> None:
+    """Eigenvalues of H are squares of singular values: 1e-12 of the largest is the limit."""
+    free = np.full(2, -np.inf), np.full(2, np.inf)
+    g = size * np.array([1.0, 2e-11])
+    np.testing.assert_allclose(solve(size * np.diag([1.0, 1e-11]), g, *free).z, [1.0, 2.0], rtol=1e-9)
+    np.testing.assert_allclose(solve(size * np.diag([1.0, 1e-13]), g, *free).z, [1.0, 0.0], rtol=1e-9)
+
+
+def test_conditions_at_both_bounds_are_relative_to_the_largest_force() -> None:
+    """Gradient z - g, by hand: at the upper bound 1, the lower -1, outside, and between equal bounds."""
+    h, lower, upper = np.eye(2), np.array([-1.0, -1.0]), np.array([1.0, 1.0])
+
+    def residuals(g: list[float], z: list[float], upper: np.ndarray = upper) -> tuple[float, ...]:
+        return tuple(kkt_residuals(h, np.array(g), np.array(z), lower, upper))
+
+    assert residuals([10.0, -10.0], [1.0, -1.0]) == (0.0, 0.0, 0.0)
+    assert residuals([-10.0, 5.0], [1.0, -1.0]) == pytest.approx((0.0, 1.1, 0.0))
+    assert residuals([-2.0, 10.0], [1.0, -1.0]) == pytest.approx((0.0, 1.1, 0.0))
+    assert residuals([10.0, 2.0], [1.0, 0.5]) == pytest.approx((0.15, 0.0, 0.0))
+    assert residuals([10.0, -10.0], [1.5, -1.2]) == pytest.approx((0.0, 0.0, 0.5))
+    assert residuals([10.0, 0.0], [1.0, -1.0], np.array([1.0, -1.0])) == (0.0, 0.0, 0.0)
+    assert solve(h, np.array([10.0, 0.5]), lower, upper).at_bound.tolist() == [True, False]
+    assert solve(h, np.array([-10.0, 0.5]), lower, upper).at_bound.tolist() == [True, False]
+
+
+def test_sums_of_products_make_the_problem_of_all_rows() -> None:
+    """Coefficients p, q, s of Y and t, w of N; q shares a parameter with p, and t with s: one dense matrix."""
+    rng = np.random.default_rng(2)
+    names = ["p", "q", "s", "t", "w", "Y", "N"]
+    rows = rng.standard_normal((2, 9, 7))
+    forces = {"X": (), **{f: [SimpleNamespace(name=n) for n in own] for f, own in (("Y", "pqs"), ("N", "tw"))}}
+    table, slot = SimpleNamespace(forces=forces, names=tuple("pqstw")), {"p": 0, "q": 0, "s": 1, "t": 1, "w": 2}
+    scale, bounds = np.array([2.0, 0.5, 4.0]), np.array([[-1.0, 3.0], [0.0, np.inf], [-np.inf, 2.0]])
+    problem = Problem(slot, scale, bounds, table, {name: i for i, name in enumerate(names)})  # type: ignore[arg-type]
+    h, g = problem.normal(np.einsum("nri,nrj->nij", rows, rows))
+    for k in range(2):
+        p, q, s, t, w, y, n = rows[k].T
+        dense = np.vstack([np.stack([p + q, s, 0 * w], axis=1), np.stack([0 * p, t, w], axis=1)]) / scale
+        np.testing.assert_allclose(h[k], dense.T @ dense, atol=1e-12)
+        np.testing.assert_allclose(g[k], dense.T @ np.concatenate([y, n]), atol=1e-12)
+    assert problem.lower.tolist() == [-2.0, 0.0, -np.inf]
+    assert problem.upper.tolist() == [6.0, np.inf, 8.0]
+    assert problem.named(np.array([2.0, 3.0, 8.0])) == {"p": 1.0, "q": 1.0, "s": 6.0, "t": 6.0, "w": 2.0}
+    each = np.array([solve(*one, problem.lower, problem.upper).z for one in zip(h, g, strict=True)])
+    np.testing.assert_allclose(
+        problem.fits(np.einsum("nri,nrj->nij", rows, rows)), (each / scale)[:, [0, 0, 1, 1, 2]], rtol=1e-9, atol=1e-12
+    )
 
 
 def test_a_direction_without_data_stays_at_its_smallest_norm() -> None:
