@@ -19,7 +19,7 @@ NEARLY_HARD = 0.9  # Share of the rudder's limit [1] from which an order reads "
 
 @dataclass(frozen=True)
 class LikelyRun:
-    """The forecast from the mean state with the model's own coefficients."""
+    """The forecast from the mean of state and coefficients."""
 
     contact: float  # Time until contact with the rudder unchanged; infinite without contact [s]
     side: str  # Side of that bank; empty without contact

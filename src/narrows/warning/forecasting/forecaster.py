@@ -247,7 +247,7 @@ class Members:
         return self._samples(mean, root, self._normals)
 
     def likely(self, mean: np.ndarray) -> Samples:
-        """Return the most likely state of each ship, with the model's own coefficients."""
+        """Return the mean of state and coefficients of each ship."""
         return self._samples(mean, np.zeros((len(mean), mean.shape[1], 1)), np.zeros((1, self._normals.shape[1])))
 
     def _samples(self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray) -> Samples:
