@@ -159,3 +159,91 @@ def test_squares_of_innovations_are_those_by_hand() -> None:
 def test_gates_are_those_of_printed_tables() -> None:
     """Upper 5 % points of chi-squared, as tables print them."""
     assert [round(gate(0.05, size), 3) for size in (1, 2, 3)] == [3.841, 5.991, 7.815]
+
+
+# Two fixes of two components each, of the same source, a compass and a log: innovations in standard deviations.
+SENSORS_OF = {"fix": (0, 2, 0), "aft": (2, 4, 0), "gyro": (4, 5, 1), "log": (5, 6, 2)}
+GATED: dict[str, tuple[dict[str, float], set[str], set[str], float]] = {
+    "all pass": ({}, set(), set(), 1e4),
+    "a fix jumps": ({"fix": 9.0}, {"fix"}, {"fix"}, 1e4),
+    "both fixes jump": ({"fix": 9.0, "aft": -9.0}, {"fix", "aft"}, {"fix", "aft"}, 1e4),
+    "log and compass agree": ({"log": 9.0, "gyro": -9.0}, {"log", "gyro"}, set(), 1e4),
+    "one of them errs grossly": ({"log": 90.0, "gyro": 9.0}, {"log", "gyro"}, {"log", "gyro"}, 1e3),
+    "all are odd": (dict.fromkeys(SENSORS_OF, 9.0), set(SENSORS_OF), set(), 1e4),
+}
+
+
+@pytest.mark.parametrize("loops", [LOOPS, square_roots], ids=["compiled", "plain"])
+@pytest.mark.parametrize("case", GATED)
+def test_readings_that_pass_their_gates_update_as_the_kalman_filter_does(case: str, loops: Any) -> None:
+    """By covariances: innovations, gain and likelihood, less that of 2 pi; refused ones count as at their gate."""
+    jumps, odd, refused, gross = GATED[case]
+    random = np.random.default_rng(11)
+    mean, root, seen = (
+        random.standard_normal(SIZE),
+        np.tril(random.standard_normal((SIZE, SIZE))),
+        random.random((6, SIZE)),
+    )
+    sigma = np.array([0.5, 0.7, 0.6, 0.8, 0.3, 0.2])
+    expected_covariance = seen @ root @ root.T @ seen.T + np.diag(sigma**2)
+    spread = np.sqrt(np.diag(expected_covariance))
+    innovation = 0.3 * spread
+    for name, size in jumps.items():
+        innovation[SENSORS_OF[name][0]] = size * spread[SENSORS_OF[name][0]]
+    gates = np.array([20.0, 21.0, 11.0, 12.0])
+    ends, sources = np.array([2, 4, 5, 6]), np.array([own[2] for own in SENSORS_OF.values()])
+    sums, memories = np.zeros((2, 2, 6)), np.array([6.0, 24.0])
+    rows = np.vstack([root.T @ seen.T, np.diag(sigma)])
+    found, triangle, tests, agree, likelihood = loops.update(
+        mean, root, rows, innovation, ends, gates, sources, np.arange(6), sums, memories, 5.0, gross
+    )
+    for place, (name, (first, end, _)) in enumerate(SENSORS_OF.items()):
+        part = slice(first, end)
+        squared = innovation[part] @ np.linalg.solve(expected_covariance[part, part], innovation[part])
+        assert tests[0, place] == pytest.approx(squared)
+        assert bool(tests[1, place]) == (name in odd)
+        # A first innovation is its own sum; what the gate refuses counts as none.
+        assert tests[2, place] == pytest.approx(0.0 if name in odd else 0.3)
+    assert bool(agree) == (bool(odd) and not refused)
+    kept = [k for name, (first, end, _) in SENSORS_OF.items() if name not in refused for k in range(first, end)]
+    H, noise = seen[kept], np.diag(sigma[kept] ** 2)
+    covariance = root @ root.T
+    total = H @ covariance @ H.T + noise
+    gain = covariance @ H.T @ np.linalg.inv(total)
+    np.testing.assert_allclose(found, mean + gain @ innovation[kept], rtol=1e-9)
+    np.testing.assert_allclose(triangle @ triangle.T, covariance - gain @ H @ covariance, rtol=1e-8, atol=1e-12)
+    assert np.triu(triangle, 1) == pytest.approx(0.0)
+    squares = innovation[kept] @ np.linalg.solve(total, innovation[kept]) if kept else 0.0
+    at_gates = sum(gate for name, gate in zip(SENSORS_OF, gates, strict=True) if name in refused)
+    # The refused ones keep their share of the determinant.
+    logarithm = np.linalg.slogdet(expected_covariance)[1]
+    assert likelihood == pytest.approx(-(logarithm + squares + at_gates) / 2)
+
+
+@pytest.mark.parametrize("loops", [LOOPS, square_roots], ids=["compiled", "plain"])
+def test_points_roots_and_whitening_are_those_of_numpy(loops: Any) -> None:
+    random = np.random.default_rng(2)
+    mean, root = random.standard_normal(3), random.standard_normal((3, 2))
+    points = loops.sigma_points(mean, root, 1.5, 3)
+    np.testing.assert_allclose(points[1:3] - mean, 1.5 * root.T)
+    np.testing.assert_allclose(points[4:6] - mean, -1.5 * root.T)
+    np.testing.assert_allclose(points[[0, 3, 6]], [mean] * 3)
+    covariance = root @ root.T + np.eye(3)
+    lower = np.linalg.cholesky(covariance)
+    np.testing.assert_allclose(loops.cholesky(covariance), lower)
+    values = random.standard_normal((4, 3))
+    np.testing.assert_allclose(loops.whiten(values, lower), np.linalg.solve(lower, values.T).T)
+    rows = random.standard_normal((5, 3))
+    triangle = loops.triangular_root(rows)
+    np.testing.assert_allclose(triangle @ triangle.T, rows.T @ rows)
+    assert (np.triu(triangle, 1) == 0.0).all()
+    rows[2, 1] = np.inf
+    assert np.isnan(loops.triangular_root(rows)).all()
+    values = random.standard_normal((5, 2))
+    noise = random.standard_normal((1, 2))
+    found, slopes = loops.transform(values, noise, 2.0, 0.125, 0.1)
+    bends = [values[k] + values[2 + k] - 2 * values[0] for k in (1, 2)]
+    np.testing.assert_allclose(found, values[0] + 0.125 * (bends[0] + bends[1]))
+    np.testing.assert_allclose(slopes[:2], [(values[k] - values[2 + k]) / 4 for k in (1, 2)])
+    np.testing.assert_allclose(slopes[2:4], [(own + 0.1 * (bends[0] + bends[1])) / 4 for own in bends])
+    np.testing.assert_array_equal(slopes[4:], noise)
