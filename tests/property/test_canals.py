@@ -150,7 +150,7 @@ class TestChart:
         out = tmp_path / "canal.geojson"
         code, said, _ = cli("waterway", cell(tmp_path), "--line", tmp_path / "axis.geojson", "-o", out)
         assert code == 0
-        assert "narrowest 75.0 m" in said
+        assert "narrowest 75 m" in said
         assert "shallowest 3.5 m" in said
         code, said, _ = cli("waterway", out, "--json")
         assert json.loads(said)["narrowest"]["width"] == pytest.approx(75.0, abs=0.1)

@@ -24,7 +24,7 @@ def test_a_line_with_a_width_and_a_depth_is_a_waterway(document: dict, tmp_path:
     line.write_text(json.dumps(document))
     code, text, err = cli("waterway", "--line", line, "--width", "300", "--depth", "16", "-o", out)
     assert (code, err) == (0, "")
-    assert "narrowest 300.0 m" in text
+    assert "narrowest 300 m" in text
     section = (read := nw.read_waterway(out)).section(1000.0)
     assert read.line.length == pytest.approx(5543, abs=2)
     assert float(section.width) == pytest.approx(300, abs=0.01)

@@ -99,48 +99,29 @@ def thinned(rows: Sequence[Row]) -> list[Row]:
     return list(rows[(len(rows) - 1) % step // 2 :: step])
 
 
-# Longest table of coefficients that is printed without --verbose.
-MOST_TERMS = 20
-COLUMN = 14  # Column width of a plan [characters]
-PLAN_FIELDS = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
+def frame_table(frame: "pd.DataFrame", **options: Any) -> Table:
+    """Return the table of a data frame: numbers to four digits, words on the left, no column without a value."""
+    frame = frame.dropna(axis=1, how="all")
+    numbers = {*frame.select_dtypes("number").columns}
+    columns = {str(name): f"{{c{i}:.4g}}" if name in numbers else f"{{c{i}}}" for i, name in enumerate(frame)}
+    rows = [{f"c{i}": value for i, value in enumerate(row)} for row in frame.itertuples(index=False)]
+    return table_of(columns, rows, left={*map(str, frame.columns)} - numbers, no_wrap=True, **options)
 
 
 def print_plan(plan: "Plan") -> None:
-    from narrows.identification.plan import UNITS
-
-    rows = plan.rows()
-    names = [name for name in PLAN_FIELDS if any(row.get(name) is not None for row in rows)]
-    columns = {"run": "{run}"}
-    for name in names:
-        head = name.removesuffix("_deg") + (f" [{UNITS[name]}]" if name in UNITS else "")
-        columns[head] = f"{{{name}:g}}" if name in UNITS else f"{{{name}}}"
-    columns |= {f"std {target}": f"{{std {target}:.2g}}" for target in plan.targets}
-    console = console_of(COLUMN * len(columns))
-    console.print(table_of(columns, [dict.fromkeys(names) | row | {"run": i} for i, row in enumerate(rows, start=1)]))
+    console, frame = console_of(WIDTH), plan.to_dataframe().drop(columns=["name", "duration [s]"])
+    frame.insert(0, "run", range(1, len(frame) + 1))
+    console.print(frame_table(frame))
     console.print(f"Chosen from {plan.considered} candidate runs; the standard errors are those after each run.")
     for sentence in (*plan.summary().splitlines(), *plan.notes):
         console.print(f"- {sentence}")
 
 
-SCALED_COLUMNS = {"": "{name}", "was": "{old:.4g}", "is": "{new:.4g}", "unit": "{unit}", "bis [1]": "{bis:.4g}"}
-
-
 def print_scaled(scaled: "Scaled") -> None:
-    console, shown = console_of(), scaled.to_dict()
-    rows = ({"name": n, **shown["coefficients"][n], "bis": shown["bis"][n]} for n in _main_terms(scaled.model))
-    console.print(table_of(SCALED_COLUMNS, rows, left=("", "unit"), no_wrap=True))
-    _print_rest(console, scaled.model)
-    console.print(shown["summary"])
-    for note in scaled.notes:
-        console.print(f"- {note}")
-
-
-# Columns of the list of ships that fit a terminal, and their heads.
-SHIP_COLUMNS = {
-    "name": "{name}", "ship": "{ship}", "L [m]": "{length:g}", "B [m]": "{beam:g}", "T [m]": "{draft:g}",
-    "rudder": "{rudder}", "bank": "{banks}", "measured": "{measured}",
-}  # fmt: skip
-ESTIMATE_COLUMNS = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}", "unit": "{unit}"}
+    frame = scaled.to_dataframe().rename(columns={"old": "was", "new": "is"})
+    frame["bis [1]"] = scaled.to_dict()["bis"]
+    _print_coefficients(scaled.model, frame)
+    print_result(scaled)
 
 
 def estimate_summary(model: "Model") -> dict[str, Any]:
@@ -154,37 +135,41 @@ def estimate_summary(model: "Model") -> dict[str, Any]:
 
 def print_estimate(model: "Model") -> None:
     console = console_of()
-    table = model.to_dataframe().loc[_main_terms(model)].rename_axis("index").reset_index()
     for note in model.notes:
         console.print(note, soft_wrap=True)
     if model.configuration.canal.depth is None:
         console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
-    console.print(table_of(ESTIMATE_COLUMNS, table.to_dict("records"), left=("", "unit"), no_wrap=True))
-    _print_rest(console, model)
+    _print_coefficients(model, model.to_dataframe()[["value", "std", "unit"]])
 
 
 def print_model(model: "Model") -> None:
-    heads = {"value" if head == "estimate" else head: form for head, form in ESTIMATE_COLUMNS.items()}
-    rows = model.to_dataframe().loc[_main_terms(model)].rename_axis("index").reset_index().to_dict("records")
-    print_result(model, table_of(heads, rows, left=("", "unit"), no_wrap=True))
-    _print_rest(console_of(), model)
+    print_result(model)
+    _print_coefficients(model, model.to_dataframe()[["value", "std", "unit"]])
 
 
-def _main_terms(model: "Model") -> list[str]:
-    """Return the coefficients to print: those of the banks of a long table, or all."""
-    banks = [term.name for term in model.terms.terms if term.from_bank]
-    return banks if banks and len(model.terms) > MOST_TERMS and not is_verbose() else list(model.terms.names)
+# Longest table of coefficients that is printed without --verbose.
+MOST_TERMS = 20
 
 
-def _print_rest(console: "Console", model: "Model") -> None:
-    if rest := len(model.terms) - len(_main_terms(model)):
+def _print_coefficients(model: "Model", frame: "pd.DataFrame") -> None:
+    """Print a table of coefficients: all, or of a long table those of the banks."""
+    console, banks = console_of(), [term.name for term in model.terms.terms if term.from_bank]
+    shown = frame.loc[banks] if banks and len(frame) > MOST_TERMS and not is_verbose() else frame
+    console.print(frame_table(shown.reset_index(names="")))
+    if rest := len(frame) - len(shown):
         console.print(f"{rest} more coefficients: add --verbose")
 
 
+# Columns of the list of ships that fit a terminal, and their heads.
+SHIP_COLUMNS = {
+    "name": "name", "ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m]", "rudder": "rudder",
+    "banks": "bank", "measured": "measured",
+}  # fmt: skip
+
+
 def print_ships(table: "pd.DataFrame") -> None:
-    console = console_of(WIDTH)
-    rows = table.rename_axis("name").reset_index().replace({True: "yes", False: "no"}).to_dict("records")
-    console.print(table_of(SHIP_COLUMNS, rows, left=("name", "ship", "rudder", "bank", "measured"), no_wrap=True))
+    console, table = console_of(WIDTH), table.reset_index(names="name").rename(columns=SHIP_COLUMNS)
+    console.print(frame_table(table[[*SHIP_COLUMNS.values()]].replace({True: "yes", False: "no"})))
     console.print("Each name replaces a model file; --json gives the source of each.")
 
 
@@ -196,7 +181,8 @@ NEGLIGIBLE = 0.002
 
 def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
-    s = np.linspace(0, waterway.line.length, STATIONS)
+    length = waterway.line.length
+    s = np.linspace(0, length, STATIONS)
     here = waterway.keel_section(s, draft)
     closed = ~(here.width > 0) | (here.depth <= draft)
     if closed.any():
@@ -206,69 +192,48 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             f"{waterway.name}: no room for a draft of {draft:g} m at {s[index]:.0f} m along it, {size}; mend its banks "
             "or depths there"
         )
-    narrow, sharpest = int(here.width.argmin()), waterway.sharpest_bend
-    deep = bool(np.isfinite(here.depth).all())
-    summary = {
-        "name": waterway.name,
-        "length": waterway.line.length,
-        "narrowest": {"width": float(here.width[narrow]), "at": float(s[narrow])},
-        "shallowest": {"depth": float(here.depth.min()), "at": float(s[int(here.depth.argmin())])} if deep else None,
-        "sharpest": dict(zip(("radius", "at", "over"), sharpest, strict=True)) if sharpest else None,
-        "stations": _stations(waterway, draft),
-    }
-    notes, length = list[str](), waterway.line.length
-    for bank in (waterway.starboard, waterway.port):
-        first, last = (0.0, length) if bank.drawn is None else bank.drawn.corners[[0, -1]]
-        if first > NEGLIGIBLE * length or last < (1 - NEGLIGIBLE) * length:
-            notes.append(
-                f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of "
-                f"{length:.0f} m; beyond, its distance is assumed constant."
-            )
-    notes += [*(NO_DEPTH,) * (waterway.depths is None), *more]
-    return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
+    extremes: dict[str, dict[str, float] | None] = dict.fromkeys(("narrowest", "shallowest", "sharpest"))
+    words = waterway.summary()
+    for name, what, values in (("narrowest", "width", here.width), ("shallowest", "depth", here.depth)):
+        if np.isfinite(values).all():
+            least, at = float(values.min()), float(s[int(values.argmin())])
+            extremes[name] = {what: least, "at": at}
+            words += f"; {name} {least:.4g} m at {at:.0f} m"
+    if bend := waterway.sharpest_bend:
+        extremes["sharpest"] = dict(zip(("radius", "at", "over"), bend, strict=True))
+    notes = [
+        f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of {length:.0f} m; "
+        "beyond, its distance is assumed constant."
+        for bank in (waterway.starboard, waterway.port) if bank.drawn
+        for first, last in (bank.drawn.corners[[0, -1]],)
+        if first > NEGLIGIBLE * length or last < (1 - NEGLIGIBLE) * length
+    ]  # fmt: skip
+    return {
+        "name": waterway.name, "length": length, **extremes,
+        "stations": _stations(waterway, draft).rename(columns=lambda name: name.split(" [")[0]).to_dict("records"),
+        "summary": words,
+        "notes": [*notes, *(NO_DEPTH,) * (waterway.depths is None), *more],
+    }  # fmt: skip
 
 
-def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
+def _stations(waterway: "Waterway", draft: float) -> "pd.DataFrame":
+    import pandas as pd
+
     s = np.linspace(0, waterway.line.length, STATIONS_SHOWN)
     here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
-    columns = {
-        "at": s, "heading": heading, "starboard": here.width / 2 + here.middle, "port": here.width / 2 - here.middle,
-        "width": here.width, "depth": here.depth,
-    }  # fmt: skip
-    rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-    return [dict(zip(columns, row, strict=True)) for row in rows]
-
-
-STATION_COLUMNS = {
-    "at [m]": "{at:.0f}", "heading [deg]": "{heading:.1f}", "to starboard [m]": "{starboard:.1f}",
-    "to port [m]": "{port:.1f}", "width [m]": "{width:.1f}", "depth [m]": "{depth:.1f}",
-}  # fmt: skip
+    return pd.DataFrame({
+        "at [m]": s, "heading [deg]": heading, "starboard [m]": here.width / 2 + here.middle,
+        "port [m]": here.width / 2 - here.middle, "width [m]": here.width, "depth [m]": here.depth,
+    })  # fmt: skip
 
 
 def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
-    console.print(table_of(STATION_COLUMNS, summary["stations"]))
+    console.print(frame_table(_stations(waterway, draft).round(1)))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])
-
-
-def _sentence(summary: dict[str, Any], waterway: "Waterway") -> str:
-    narrowest, place = summary["narrowest"], waterway.place and f" ({waterway.place})"
-    return (
-        f"{summary['name']}{place}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
-        f"{narrowest['at']:.0f} m"
-        + _extreme_text(summary["shallowest"], "depth", "shallowest")
-        + _extreme_text(summary["sharpest"], "radius", "sharpest bend, radius")
-    )
-
-
-def _extreme_text(extreme: dict[str, float] | None, name: str, word: str) -> str:
-    if extreme is None:
-        return ""
-    over = f" over {extreme['over']:.3g} m" if "over" in extreme else ""
-    return f"; {word} {extreme[name]:.4g} m{over} at {extreme['at']:.0f} m"
 
 
 # Columns of the coefficients, and their heads.

@@ -177,7 +177,8 @@ class Waterway(BaseSummary):
         parts = [
             f"{self.line.length:.4g} m long", f"{extent(there.width)} m wide",
             "without a depth" if np.isnan(there.depth).all() else f"{extent(there.depth)} m deep",
-            "straight" if sharpest is None else f"sharpest bend of {sharpest[0]:.3g} m radius over {sharpest[2]:.3g} m",
+            "straight" if sharpest is None else
+            "sharpest bend of {0:.3g} m radius over {2:.3g} m at {1:.0f} m".format(*sharpest),
         ]  # fmt: skip
         parts += current_words(self.current_at(s), self.current_across, self.current_shear, s)
         return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}"
