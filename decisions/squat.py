@@ -15,6 +15,8 @@ from narrows.captive.formats import BANKS, WALL
 from narrows.captive.measured import measured_files
 from narrows.model.squat import limits_left, sinkage_by
 
+SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
+
 Run = tuple[nw.Configuration, float, dict[str, float]]
 DEPTHS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 STRAIGHT = "type == 'STATX0' and abs(v_mps) < 1e-6 and abs(psi_deg) < 1e-6 and u_mps > 0.1 and abs(rud_given_deg) < 1"
@@ -24,7 +26,7 @@ def lataire() -> Iterator[Run]:
     """Fifteen runs along bank V, taken as the wall that leaves the same section; sinkage at bow and stern, measured."""
     ship = replace(nw.read_ship(measured_files("lataire2009")[1]).ship, draft=0.18)
     width = nw.equivalent_wall(BANKS["V"], 0.243) + WALL
-    for _, row in nw.measured_squat().iterrows():
+    for _, row in pd.read_csv(SQUAT_RUNS).iterrows():
         fore, aft = row["sinkage fore [mm]"] / 1e3, row["sinkage aft [mm]"] / 1e3
         middle = (fore + aft) / 2
         measured = {"bow": fore, "midship": middle, "mean": middle, "largest": max(fore, aft)}

@@ -7,11 +7,9 @@ from .base.errors import show_versions as show_versions
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun
-from .captive import concat as concat
 from .captive import read_captive as read_captive
 from .captive import stream_captive as stream_captive
 from .captive import twin as twin
-from .captive.measured import measured_squat as measured_squat
 from .captive.measured import measured_tests as measured_tests
 from .codegen.printers.latex import latex as latex
 from .control import self_propulsion as self_propulsion

@@ -8,17 +8,25 @@ import pytest
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS
-from narrows.captive.formats import LAYOUTS, Layout, translated
+from narrows.captive.formats import LAYOUTS, Dtc, Layout, translated
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of
 
+MEASURED = Path(nw.captive.measured.__file__).parent
+still = np.zeros(400)
+DTC = (np.arange(1, 401) / 20.0, np.arange(1, 401) / 50.0, still, still, 2.0 + still, -30.0 + still, still, still)
+SAMPLES = {
+    "Dtc": pd.DataFrame(dict(zip(Dtc.HEADERS, DTC, strict=True))),  # 20 s of a steady speed along the tank
+    "Fhr": pd.read_csv(MEASURED / "kcs_pmm_shallow.csv").groupby("type").head(1),
+    "Lataire": pd.read_csv(MEASURED / "lataire2009.csv").groupby("bank name").head(1),
+}
 every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda own: own.__name__)
 
 
 @every_layout
 def test_its_sample_is_recognised_by_it_and_by_no_other(layout: type[Layout]) -> None:
-    assert [own.__name__ for own in LAYOUTS if own.recognises(layout.sample())] == [layout.__name__]
+    assert [own.__name__ for own in LAYOUTS if own.recognises(SAMPLES[layout.__name__])] == [layout.__name__]
 
 
 @every_layout
@@ -30,7 +38,7 @@ def test_it_leaves_the_documented_columns_alone(layout: type[Layout], short: nw.
 @every_layout
 def test_its_sample_becomes_tests(layout: type[Layout], ship_file: Path, tmp_path: Path) -> None:
     """Read from a file as any table is: finite numbers in SI, every force measured, and a word on what was done."""
-    layout.sample().to_csv(tmp_path / "sample.csv", index=False)
+    SAMPLES[layout.__name__].to_csv(tmp_path / "sample.csv", index=False)
     tests = nw.read_captive(tmp_path / "sample.csv", ship_file)
     assert tests.rows > 0
     known = {"cos_psi", "sin_psi", *COLUMNS, *PARTICULARS, *(name for own in STANDARD for name in own.controls)}
@@ -42,9 +50,9 @@ def test_its_sample_becomes_tests(layout: type[Layout], ship_file: Path, tmp_pat
 @every_layout
 def test_translating_changes_no_table(layout: type[Layout]) -> None:
     """What was measured stays as it was, and a second reading is the first."""
-    frame = layout.sample()
+    frame = SAMPLES[layout.__name__].copy()
     once, said = translated(frame, "", "table")
-    pd.testing.assert_frame_equal(frame, layout.sample())
+    pd.testing.assert_frame_equal(frame, SAMPLES[layout.__name__])
     again, said_again = layout.translated(frame, "", "table")
     pd.testing.assert_frame_equal(once, again)
     assert said == said_again

@@ -423,7 +423,6 @@ class Table:
         quick = {"runs": (nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1),), "rate": 5.0}
         return {
             "identify": Entry(own, {**fitted, "ship": unread}),
-            "concat": Entry({"tests": (short_twin(), short_twin())}, {"tests": (short_twin(), other_tests())}),
             "identify_conditions": Entry(
                 {"tests": conditions},
                 {"tests": short_twin(), "condition": "C0101A02", "balance": "rows", "ship": unread},
@@ -441,7 +440,7 @@ class Table:
             "plan_tests": Entry(
                 plan,
                 {"configuration": mmg().configuration, "runs": 3, "tank": nw.Tank(speeds=(0.6,)), "terms": nw.SPEED,
-                 "targets": ("b_v",), "criterion": under("d", targets=("b_vv", "c_rr", "b_v"), runs=6),
+                 "targets": ("b_v",),
                  "noise": {"X": 1.0, "Y": 0.1, "N": 0.1},
                  "correlation_time": 2.0, "after": short_twin(), "errors": nw.RunErrors(0.0, 0.0, 0.0)},
             ),
@@ -451,7 +450,6 @@ class Table:
                  "correlation_time": 1.0, "rate": 6.0, "seed": 1},
             ),
             "measured_tests": Entry({"name": "kcs"}, {"name": "lataire2009", "where": "type == 'PMMY2'"}),
-            "measured_squat": Entry({}, {}),
         }  # fmt: skip
 
     @property

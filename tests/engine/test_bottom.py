@@ -8,15 +8,19 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 from public import kinds
 from scipy.optimize import brentq
 
 import narrows as nw
+from narrows.captive.measured import measured_files
 from narrows.model.water import speeds_afloat, water_under_way
 from narrows.simulation import kernel_run
 from narrows.warning.monitoring import bridge_monitor
 from narrows.waterway import Bank, Centreline, Waterway
+
+SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
 
 G, MIDSHIP = 9.81, 0.98
 LENGTH = 3000.0
@@ -71,7 +75,7 @@ def test_the_speed_that_ends_a_voyage_is_that_of_a_root_finder(width: float, dep
 
 def test_the_ends_of_the_kcs_sink_as_in_the_tank() -> None:
     """Its deeper end over the mean, by the mean of the measured runs."""
-    runs = nw.measured_squat()
+    runs = pd.read_csv(SQUAT_RUNS)
     ends = runs[["sinkage fore [mm]", "sinkage aft [mm]"]].to_numpy()
     share = (ends.max(axis=1) / ends.mean(axis=1)).mean()
     values = {**kcs().configuration.values(), "block_coefficient": 0.651}

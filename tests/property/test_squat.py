@@ -3,14 +3,18 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from scipy.optimize import brentq
 from strategies import numbers
 
 import narrows as nw
+from narrows.captive.measured import measured_files
 from narrows.model.squat import GIVES, sinkage_by
 from narrows.physics import squat_and_depth as formulas
+
+SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
 
 DTC = nw.Configuration(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
 KNOT = 1852 / 3600
@@ -109,6 +113,6 @@ def test_refusals(act, said: str) -> None:
 
 
 def test_measured_runs_are_fifteen() -> None:
-    runs = nw.measured_squat()
+    runs = pd.read_csv(SQUAT_RUNS)
     assert len(runs) == 15
     assert (runs["sinkage fore [mm]"] > 2).all()

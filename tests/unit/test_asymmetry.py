@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.model.additions import ASYMMETRY
 from narrows.model.tables import table_named
 
 
@@ -85,17 +84,3 @@ def test_a_rudder_outside_a_slipstream_has_no_asymmetry_of_its_own(name: str) ->
 def test_two_asymmetries_are_refused() -> None:
     with pytest.raises(nw.InputError, match="have an asymmetry"):
         table_named("mmg+asymmetry+asymmetry")
-
-
-def test_a_file_from_before_the_rudder_had_asymmetries_is_the_same_ship(tmp_path: Path) -> None:
-    table = ASYMMETRY(nw.MMG)
-    numbers = {**nw.published("yasukawa2015_kvlcc2").coefficients, "Y_0": 0.002, "N_0": 0.001}
-    spread = np.diag([1.0 + place for place in range(len(table.names))])
-    old = replace(kvlcc2(), terms=table, coefficients={name: numbers[name] for name in table.names}, covariance=spread)
-    old.save(tmp_path / "ship.toml")
-    again, motion = nw.load_model(tmp_path / "ship.toml"), nw.Motion.at(u=1.1, v=0.3, r=0.05)
-    assert again.terms == table_named("mmg+asymmetry")
-    assert again.forces(motion, rudder=0.2) == old.forces(motion, rudder=0.2)
-    known = [again.terms.names.index(name) for name in table.names]
-    np.testing.assert_array_equal(again.covariance[np.ix_(known, known)], spread)
-    assert np.trace(again.covariance) == np.trace(spread)

@@ -258,14 +258,10 @@ def test_tests_are_a_collection_and_a_table() -> None:
 
 def test_tests_of_several_tables_are_put_together() -> None:
     first, second = (short_twin(seed) for seed in (0, 1))
-    both = nw.concat([first, second])
-    assert both.names == (*first.names, *(f"{name} (2)" for name in first.names))
-    assert both.notes[-1].startswith("Tests that share a name are numbered: slow yaw")
-    np.testing.assert_array_equal(both["Y"], np.concatenate([first["Y"], second["Y"]]))
+    rows = [first.to_dataframe(), second.to_dataframe().assign(test=lambda frame: frame["test"] + " again")]
+    both = nw.read_captive(pd.concat(rows), first.configuration)
+    assert both.names == (*first.names, *(f"{name} again" for name in first.names))
     assert nw.identify(both).std["b_v"] < 1.1 * nw.identify(first).std["b_v"]
-    for wrong, told in (([], "no tests to put together"), ([first, nw.measured_tests("kcs")], "another ship or water")):
-        with pytest.raises(nw.InputError, match=told):
-            nw.concat(wrong)
 
 
 @pytest.mark.parametrize(

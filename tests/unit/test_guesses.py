@@ -84,14 +84,14 @@ GUESSES: dict[str, Callable[[Path], Any]] = {
     "tests.to_csv(path)": lambda at: written(at, TESTS()) == TESTS().rows,
     'tests.units["Y"]': lambda at: TESTS().units["Y"] == "N",
     "tests.ship": lambda at: TESTS().ship.length == 3.984,
-    "nw.concat([tests, tests])": lambda at: len(nw.concat([TESTS(), TESTS()])) == 8,
+    "nw.concat([tests, tests])": lambda at: nw.concat([TESTS(), TESTS()]),  # type: ignore[attr-defined]
     'tests.save("t.parquet")': lambda at: (
         TESTS().save(at / "t.parquet") or len(pd.read_parquet(at / "t.parquet")) == 445
     ),
     "tests.to_xarray()": lambda at: "Y" in TESTS().to_xarray(),
     'fit.coefficients["b_v"]': lambda at: fit().coefficients["b_v"] > 0,
     "fit.params": lambda at: fit().params == fit().coefficients,
-    "fit.conf_int()": lambda at: fit().conf_int().shape == (17, 2),
+    "fit.conf_int()": lambda at: fit().conf_int() == fit().intervals,
     'fit.rsquared["Y"]': lambda at: 0.9 < fit().rsquared["Y"] <= 1,
     "fit.score(tests)": lambda at: fit().score(TESTS())["Y"].r2 == pytest.approx(fit().rsquared["Y"]),
     'fit.rmse["Y"]': lambda at: fit().rmse["Y"] == pytest.approx(fit().residuals["Y"].pow(2).mean() ** 0.5, rel=0.01),
@@ -148,7 +148,6 @@ FRESH: dict[str, Callable[[Path], Any]] = {
     "nw.compare(df, ship=path)": lambda at: nw.compare(frame_of(TESTS()), "paper", ship=ship_file(at)).fits,
     "nw.explain(model, df)": lambda at: nw.explain(DTC, frame_of(TESTS()), ["paper"]).scores,
     'fit["b_bank"]': lambda at: fit()["b_bank"] == fit().coefficients["b_bank"],
-    "fit.corr()": lambda at: np.allclose(np.diag(fit().corr().dropna()), 1.0) and fit().corr().shape == (17, 17),
     "json.dumps(fit.to_dict())": lambda at: json.dumps(fit().to_dict()),
     "len(fit.terms.names)": lambda at: len(fit().terms.names) == 17,
     "for test in tests": lambda at: sum(test.rows for test in TESTS()) == TESTS().rows,
@@ -244,7 +243,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: nw.identify(short_twin(), errors="ridge"),  # type: ignore[arg-type]
         r"give nw.RunErrors\(",
     ),
-    "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.conf_int\(\): .* 95 %"),  # type: ignore[call-arg]
+    "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.intervals: .* 95 %"),  # type: ignore[call-arg]
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
@@ -286,6 +285,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
 """Those that do not, and what they are told."""
 MISSED = {
     'ensemble(...)["y"].mean("sample")': "y is where they start; the ends are y_end, psi_end ...",
+    "nw.concat([tests, tests])": "nw.read_captive of their data frames, joined",
 }
 """Guesses that do not hold, and why, or what to write instead."""
 
@@ -308,7 +308,7 @@ model.save("m.toml"); nw.load("m.toml") == model
 voyage.to_netcdf("v.nc")
 tests.groupby("test").mean()
 assert tests.mean()["u"] == tests.u.mean() and tests.filter("y > 0").rows == tests.query("y > 0").rows
-assert fit.ci().equals(fit.conf_int()) and fit.confidence_intervals().shape == (17, 2)
+assert fit.ci() == fit.conf_int() == fit.confidence_intervals()
 assert nw.Ship(length=230.0, beam=32.2, draft=10.8, block=0.65).block_coefficient == 0.65
 assert model.bank_force(0.5, 1.0).Y == nw.bank_force(model, y=0.5, psi=0.0, u=1.0).Y
 tests.plot()
@@ -389,7 +389,7 @@ assert nw.get_model("mikkelsen2025_dtc") == pub and nw.export_c is nw.export.wri
 assert nw.safe_envelope(kcs, speeds=[4.0], offsets=[0.0], n_samples=10).grid["held"].size == 1
 assert round(nw.straight_canal(nw.Canal(W=300.0, h=16.0), 5000.0).centerline.length, 6) == 5000
 assert len(nw.grounding_map(pub, y=[0.5, 1.0]).to_dataframe()) == 2 and nw.ols(tests).terms.names == fit.terms.names
-assert fit.confidence().equals(fit.conf_int())
+assert fit.confidence() == fit.conf_int()
 assert all(pickle.loads(pickle.dumps(one)) == one for one in (fit, voyage, tests)) and nw.simulate(pub, y=0.4) != voyage
 assert len(voyage[0:10]) == 10
 assert fit.n_samples == fit.nobs and tests.n_samples == tests.n_rows == tests.rows and fit.std_err == fit.std
@@ -424,7 +424,7 @@ assert nw.estimation.Estimator("estimated_kcs", [nw.Gnss(), nw.Gyro()]).filter.m
 assert nw.zigzag(kcs, rudder_deg=20, heading_deg=20, duration=600.0, dt=1.0).voyage.t[-1] <= 600.0
 assert nw.turning_circle(kcs, rudder_angle=35, time_step=1.0).advance > 0 and nw.Gnss(std=0.5).noise == 0.5
 assert nw.KalmanFilter is nw.estimation.Estimator and nw.report.make_report is nw.report.write_report
-assert fit.cov_params().loc["b_v", "b_v"] == fit.covariance[5, 5]
+assert fit.cov_params()[5, 5] == fit.covariance[5, 5]
 assert nw.squat(kcs, "8 kn") == nw.squat(kcs, speed=8 * 1852 / 3600) and nw.simulate(pub, u="3.6 km/h").u[0] == 1.0
 assert nw.ensemble(pub, u="1 m/s").equals(nw.ensemble(pub, u=1.0))
 assert nw.safe_envelope(kcs, u="8 kn", y=[0.0]).speeds.item() > 4.1

@@ -1,6 +1,5 @@
 """Captive tests: tables and raw records in, checked columns in SI out."""
 
-from narrows.captive.read import concat as concat
 from narrows.captive.read import read_captive as read_captive
 from narrows.captive.read import stream_captive as stream_captive
 from narrows.captive.synthetic import HarmonicRun as HarmonicRun

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Sequence
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -20,17 +19,10 @@ class Layout:
     """A layout of tables; the first line of a docstring names the laboratory."""
 
     HEADERS: ClassVar[Sequence[str]]  # Headers that no other layout has together
-    MEASURED: ClassVar[tuple[str, str]]  # A bundled table of it, and the column whose values make a sample
 
     @classmethod
     def recognises(cls, frame: pd.DataFrame) -> bool:
         return set(cls.HEADERS) <= set(frame.columns)
-
-    @classmethod
-    def sample(cls) -> pd.DataFrame:
-        """Return a few rows in its format."""
-        table, column = cls.MEASURED
-        return pd.read_csv(Path(__file__).with_name("measured") / table).groupby(column).head(1)
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
@@ -48,14 +40,6 @@ class Dtc(Layout):
     # Cutoff frequency of the low-pass [Hz]: ramps last seconds, the tank's carriage vibrates above one hertz.
     CUTOFF = 0.5
     HEADERS = ("time [s]", "x0 [m]", "y0 [m]", "psi [°]", "heave [mm]", "X [N]", "Y [N]", "N [Nm]")
-
-    @classmethod
-    def sample(cls) -> pd.DataFrame:
-        """Return a record in its file format: 20 s of a steady speed along the tank."""
-        t = np.arange(1, 401) / 20.0
-        still = 0 * t
-        columns = (t, 0.4 * t, still, still, 2.0 + still, -30.0 + still, still, still)
-        return pd.DataFrame(dict(zip(cls.HEADERS, columns, strict=True)))
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
@@ -105,7 +89,6 @@ class Fhr(Layout):
     """
 
     HEADERS = ("env", "type", "psi_deg", "rud_given_deg")
-    MEASURED = "kcs_pmm_shallow.csv", "type"
     # Harmonic sway and harmonic yaw: the tests covered by the paper's terms.
     HARMONIC = ("PMMY2", "PMMPSI2")
     RENAMED: ClassVar = {
@@ -151,7 +134,6 @@ class Lataire(Layout):
     """
 
     HEADERS = ("lateral position", "psi", "sinkage fore", "sinkage aft", "bank name")
-    MEASURED = "lataire2009.csv", "bank name"
     RENAMED: ClassVar = {
         "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",
         "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",

@@ -2,11 +2,10 @@
 
 import hashlib
 import os
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import count, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -84,64 +83,6 @@ def read_captive(
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
     return collect_rows(with_accelerations(rows), configuration, source, sheet.notes + notes)
-
-
-def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
-    """Join tests of one ship in one water, in their order.
-
-    ``notes`` of the result lists omitted columns and renamed tests. Raises an InputError if there are none, or their
-    ships, canals or waters differ.
-
-    Parameters
-    ----------
-    tests : sequence of CaptiveTests
-        Only columns that all of them have are kept; tests that share a name are numbered.
-
-    Examples
-    --------
-    >>> len(nw.concat([tests, tests])) == 2 * len(tests)
-    True
-    """
-    parts = list(tests)
-    if not parts:
-        raise InputError("there are no tests to put together; give two or more")
-    first = parts[0]
-    for part in parts:
-        if part.configuration != first.configuration:
-            raise InputError(f"{part!r} is of another ship or water than {first!r}; identify them one by one")
-    shared = [name for name in first.columns if all(name in part.columns for part in parts)]
-    left = {name for part in parts for name in part.columns} - set(shared)
-    labels = tuple(label for part in parts for label in part.conditions or ("",) * len(part.names))
-    names, renamed = _numbered([name for part in parts for name in part.names])
-    notes = [note for part in parts for note in part.notes]
-    notes += [f"Columns that not all tables have were left out: {', '.join(sorted(left))}."] if left else []
-    notes += [f"Tests that share a name are numbered: {', '.join(renamed)}."] if renamed else []
-    return replace(
-        first,
-        columns={name: np.concatenate([part.columns[name] for part in parts]) for name in shared},
-        names=names,
-        starts=np.concatenate([[0], np.cumsum(np.concatenate([np.diff(part.starts) for part in parts]))]),
-        conditions=labels if any(part.conditions for part in parts) else (),
-        source=_source([part.source for part in parts]),
-        notes=tuple(dict.fromkeys(notes)),
-    )
-
-
-def _numbered(names: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Return the names, numbered if they exist already; and the changed names."""
-    taken, unique = set(names), list[str]()
-    for name in names:
-        own = name if name not in unique else next(it for n in count(2) if (it := f"{name} ({n})") not in taken)
-        taken.add(own)
-        unique.append(own)
-    return tuple(unique), [name for name, times in Counter(names).items() if times > 1]
-
-
-def _source(sources: list[Source]) -> Source:
-    def joined(name: str) -> str:
-        return " + ".join(dict.fromkeys(filter(None, (getattr(source, name) for source in sources))))
-
-    return Source(joined("text"), joined("table"), joined("sha256"))
 
 
 def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = None) -> Any:

@@ -38,18 +38,12 @@ def clean(
     known = columns_with(actuators)
     raw, of_rows = without_words(raw)
     mapped, notes = mapping.applied(raw, table, Vocabulary(known, LABELS)) if mapping else (raw, ())
-    frame, late = mapped, False
-    if where:
-        try:
-            frame = mapped[_evaluated(mapped, where, table, ())]
-        except pd.errors.UndefinedVariableError:  # It names columns that the layout or the renaming below creates
-            late = True
-    frame, of_layout = formats.translated(frame, where or "", table)
+    frame, of_layout = formats.translated(mapped, where or "", table)
     if not mapping:
         frame, of_headers = renamed(frame, known, table)
         of_layout = (*of_layout, *of_headers)
-    if where and late:
-        frame = frame[chosen_late(raw, frame, where, table, known)]
+    if where:
+        frame = selected(mapped if mapping else raw, frame, where, table, known)
     if not len(frame):
         return frame, (*notes, *of_layout)
     frame, of_totals = without_totals(cells.with_seconds(frame))
@@ -226,41 +220,29 @@ def plain_columns(
     return columns_by_word
 
 
-def chosen_late(
+def selected(
     raw: pd.DataFrame, frame: pd.DataFrame, where: str, table: str, known: Mapping[str, Quantity]
-) -> np.ndarray:
-    here = raw if raw.index.equals(frame.index) else raw.loc[frame.index]
-    headers = [str(header) for header in raw.columns]
+) -> pd.DataFrame:
+    """Return the rows of a translated table for which an expression on its names, or on the raw headers, holds."""
+    here, headers = raw.loc[frame.index], [str(header) for header in raw.columns]
     try:
-        names = plain_columns(where, frame, known, headers)
-        return _evaluated(here, where, table, (names,))
-    except InputError as error:
-        raise InputError(str(error) if str(error).startswith(table) else f"{table}: {error}") from None
-    except pd.errors.UndefinedVariableError as error:
-        word = str(error).split("'")[1]
-        near = near_miss(word, [*headers, *known]) or f"; it has {', '.join(headers[:20])}"
-        raise _not_understood(where, f"{reason(error)}{near}", table) from None
-
-
-def _evaluated(frame: pd.DataFrame, where: str, table: str, resolvers: tuple[Any, ...]) -> np.ndarray:
-    try:
-        chosen: Any = frame.eval(where, engine="python", resolvers=resolvers, local_dict={}, global_dict={})
+        resolvers: Any = (plain_columns(where, frame, known, headers),)
+        chosen: Any = here.eval(where, engine="python", resolvers=resolvers, local_dict={}, global_dict={})
         if not pd.api.types.is_bool_dtype(chosen):
             raise TypeError("it is neither true nor false")
         if np.shape(chosen) != (len(frame),):
             raise TypeError("it is not one answer for each row")
-    except pd.errors.UndefinedVariableError:
-        raise
-    except Exception as error:
-        raise _not_understood(where, reason(error), table) from None
-    return np.asarray(chosen, dtype=bool)
-
-
-def _not_understood(where: str, why: str, table: str) -> InputError:
-    return InputError(
-        f"{table}: cannot select rows where {shown(where)} ({why}); use names as u, psi_deg, or the "
-        "table's headers, those with blanks as `Heading [deg]`"
-    )
+    except InputError as error:
+        raise InputError(str(error) if str(error).startswith(table) else f"{table}: {error}") from None
+    except Exception as error:  # pandas raises many kinds of errors on invalid expressions
+        near = ""
+        if isinstance(error, pd.errors.UndefinedVariableError):
+            near = near_miss(str(error).split("'")[1], [*headers, *known]) or f"; it has {', '.join(headers[:20])}"
+        raise InputError(
+            f"{table}: cannot select rows where {shown(where)} ({reason(error)}{near}); use names as u, psi_deg, or "
+            "the table's headers, those with blanks as `Heading [deg]`"
+        ) from None
+    return frame[np.asarray(chosen, dtype=bool)]
 
 
 def screened(

@@ -212,7 +212,6 @@ class AimOptions:
     errors: cli.RunErrors = "0.02,0.02,0.02"
     terms: cli.Terms = "paper"
     targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = ""
-    criterion: Annotated[str, "'c': sum of the variances; 'd': determinant."] = "c"
 
 
 @cli.verb(

@@ -28,8 +28,8 @@ RATE = 5.0
 ZEROS = 3
 # Prior information relative to the largest of each parameter: almost none.
 RIDGE = 1e-9
-# Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
-# ridge moves the criterion by about 1e-5.
+# Relative difference of the sum of variances within which runs count as equal: while a parameter is unknown, rounding
+# over the ridge moves it by about 1e-5.
 TIE = 1e-4
 
 
@@ -92,16 +92,7 @@ def known_information(made: Sequence[Fit], shape: tuple[int, ...]) -> np.ndarray
     return information
 
 
-def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
-    """Return the criterion to minimise, for each of a stack of information matrices, under the worst form."""
-    # information (..., forms, p, p)
-    covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
-    if criterion == "c":
-        return np.asarray(np.trace(covariance, axis1=-2, axis2=-1).max(axis=-1))
-    return np.asarray(np.linalg.slogdet(covariance)[1].max(axis=-1))
-
-
-def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int], criterion: str = "c") -> list[int]:
+def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int]) -> list[int]:
     """Choose runs, each at most once, in the order of their use."""
     # runs (n, forms, p, p); known (forms, p, p). Fedorov (1972), Theory of optimal experiments: the exchange.
     scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0, initial=0.0))
@@ -112,7 +103,7 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
 
     def best(taken: list[int], offered: Sequence[int]) -> int:
         left = np.array([i for i in offered if i not in taken])
-        return int(left[_least(base + runs[taken].sum(axis=0) + runs[left], targets, criterion)])
+        return int(left[_least(base + runs[taken].sum(axis=0) + runs[left], targets)])
 
     chosen: list[int] = []
     for _ in range(min(count, len(runs))):
@@ -129,11 +120,13 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     return order
 
 
-def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> int:
-    """The smallest criterion; among near-equals the smallest determinant, then the first."""
-    worth = spread(information, targets, criterion)
-    tied = np.flatnonzero(worth <= worth.min() + TIE * (worth.min() if criterion == "c" else 1.0))
-    volume = spread(information[tied], targets, "d")
+def _least(information: np.ndarray, targets: Sequence[int]) -> int:
+    """The least sum of variances under the worst form; among near-equals the least determinant, then the first."""
+    # information (..., forms, p, p)
+    covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
+    worth = np.trace(covariance, axis1=-2, axis2=-1).max(axis=-1)
+    tied = np.flatnonzero(worth <= worth.min() * (1 + TIE))
+    volume = np.linalg.slogdet(covariance[tied])[1].max(axis=-1)
     return int(tied[np.flatnonzero(volume <= volume.min() + TIE)[0]])
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, check_choice
+from narrows.base.errors import InputError
 from narrows.base.results import Tabulated
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
@@ -122,10 +122,10 @@ class Plan(Tabulated):
 @accept_aliases
 def plan_tests(
     configuration: ShipSource, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
-    targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = FORCE_NOISE,
+    targets: Sequence[str] = (), noise: Mapping[str, float] = FORCE_NOISE,
     correlation_time: float = 0.5, after: Any = None, errors: RunErrors | None = None,
 ) -> Plan:  # fmt: skip
-    """Choose runs that minimise the uncertainty of some coefficients, with all others unknown too.
+    """Choose runs that minimise the sum of the variances of some coefficients, each over that of its best single run.
 
     Runs differ by gain, zero and form, as in ``identify``; a zero shared by all runs is unknown too. The choice is the
     best under the worst of several forms of the bank. A plan for the bank begins with straight runs, mirrored to both
@@ -146,9 +146,6 @@ def plan_tests(
         Terms to identify.
     targets : sequence of str
         Target coefficients; those of the bank unless given.
-    criterion : str
-        ``c``: the sum of their variances, each over that of the best single run for it; ``d``: the determinant of
-        their covariance.
     noise : mapping of str to float [N, N, N m]
         Standard deviation of each force.
     correlation_time : float [s]
@@ -164,7 +161,7 @@ def plan_tests(
     4
     """
     tank = tank or Tank()
-    _check(runs, criterion, terms, noise, tank)
+    _check(runs, terms, noise, tank)
     configuration = ship_from(configuration, terms.actuators)
     names, errors = _targets(terms, targets), errors or RunErrors()
     tables = _forms(terms)
@@ -181,11 +178,11 @@ def plan_tests(
     for_bank = any(term.from_bank and term.name in names for term in terms.terms)
     best = _separating(offered, adds, known, min(runs, SEPARATING) if for_bank else 0, parameters)
     rest = np.setdiff1d(np.arange(len(offered)), best)
-    more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters, criterion)
+    more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters)
     best = [*best, *rest[more].tolist()]
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     # A tank too small for harmonic runs offers no other plan for comparison.
-    best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
+    best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters)] or best
     given = (names, truth, terms, *assumed, made[0] if made else None)
     # In plans of more than 24 runs standard errors are those after some runs, repeated for the runs before.
     counts = np.unique(np.linspace(1, len(best), min(len(best), 24)).astype(int)).tolist()
@@ -216,7 +213,7 @@ def _separating(
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
     half = [path for path in steady if path[0] > 0 and path[2] == fastest]
     pairs = min(count // 2, len(half))
-    best = choose(adds[[steady[path] for path in half]], 0 * known, pairs, parameters, "c") if pairs else []
+    best = choose(adds[[steady[path] for path in half]], 0 * known, pairs, parameters) if pairs else []
     mirrored = [((y, drift, *rest), (-y, -drift, *rest)) for y, drift, *rest in (half[i] for i in best)]
     return [steady[path] for pair in mirrored for path in pair]
 
@@ -228,10 +225,9 @@ def _forms(terms: TermTable) -> list[TermTable]:
     return [terms, *(with_bank(terms, form) for form in ("distance", "tapered"))]
 
 
-def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
+def _check(runs: int, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
     if runs < 1:
         raise InputError(f"{runs} runs are no plan; ask for one or more")
-    check_choice("criterion", criterion, ("c", "d"))
     for force, part in terms.forces.items():
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 import narrows
-from narrows.base.errors import InputError, check_choice, shown
+from narrows.base.errors import check_choice
 from narrows.base.results import BaseResult, Named
 from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
@@ -21,10 +21,6 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-
-# Share of the truths that intervals are to miss.
-ALPHA = 0.05
 
 
 class Prediction(BaseResult):
@@ -62,32 +58,6 @@ class Prediction(BaseResult):
     def report(self: Any, path: str | Path, title: str = "narrows") -> None:
         """Write one HTML page with everything that is known of it, its answer first."""
         narrows.report.write_report({"": self}, path, title)
-
-    def conf_int(self: Any, alpha: float = ALPHA) -> "pd.DataFrame":
-        """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient."""
-        import pandas as pd
-
-        if alpha != ALPHA:
-            raise InputError(
-                f"alpha = {shown(alpha)}: intervals are of 95 %, the ones whose coverage was measured; give 0.05"
-            )
-
-        frame = pd.DataFrame.from_dict(dict(self.intervals), orient="index", columns=["low", "high"])
-        return frame.rename_axis("coefficient")
-
-    def corr(self: Any) -> "pd.DataFrame":
-        """Give how the errors of the coefficients go together, -1 to 1; NaN where one has none."""
-        import pandas as pd
-
-        std = np.sqrt(np.diag(self.covariance))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return pd.DataFrame(self.covariance / np.outer(std, std), self.terms.names, self.terms.names)
-
-    def cov(self: Any) -> "pd.DataFrame":
-        """Give the covariance as a table."""
-        import pandas as pd
-
-        return pd.DataFrame(self.covariance, self.terms.names, self.terms.names)
 
     @property
     def condition_number(self: Any) -> dict[str, float]:

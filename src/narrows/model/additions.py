@@ -109,11 +109,6 @@ def asymmetric(table: TermTable) -> TermTable:
     return RUDDER_EVEN(STRAIGHTENING(added)) if STRAIGHTENED in table.inputs else added
 
 
-def rudder_asymmetries(table: TermTable) -> tuple[str, ...]:
-    """Return the coefficients of a rudder's own asymmetries in a table."""
-    return tuple(name for one in (STRAIGHTENING, RUDDER_EVEN) for name in one.names(table) if name in table.names)
-
-
 # The push of a propeller that turns astern, relative to the Esso Osaka's.
 TRANSVERSE_THRUST = SideTerms(
     "transverse_thrust", "a transverse thrust", "astern", "{astern}", propeller.transverse_thrust,

@@ -1,7 +1,7 @@
 """The sections of a model file and the corresponding fields of a model."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -9,7 +9,6 @@ import numpy as np
 
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.base.results import Named
-from narrows.model.additions import rudder_asymmetries
 from narrows.model.data_range import DataRange, Range
 from narrows.model.tables import table_named
 from narrows.model.term import TermTable
@@ -73,15 +72,12 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
         raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
     sections = {name: table for name, table in tables.items() if name in parts}
     covered = {name: _pair(name, pair) for name, pair in tables.get("data_range", {}).items()}
-    # Files from before the rudder had asymmetries of its own: these are zero.
-    later = rudder_asymmetries(terms)
-    later = () if set(later) & tables["coefficients"].keys() else later
     cited = {name: str(text) for name, text in tables.get("source", {}).items()}
     return {
         "configuration": configuration_from(sections, "its setting", actuators),
         "terms": terms,
-        "coefficients": Named({**tables["coefficients"], **dict.fromkeys(later, 0.0)}),
-        "covariance": _covariance(tables.get("covariance"), terms, later),
+        "coefficients": Named(tables["coefficients"]),
+        "covariance": _covariance(tables.get("covariance"), terms),
         "data_range": section_of(DataRange, "data_range", covered),
         "verdicts": tables.get("verdicts", {}),
         "source": section_of(Source, "source", cited),
@@ -112,13 +108,12 @@ def _is_covariance(matrix: np.ndarray) -> bool:
     return bool((np.diag(matrix) >= 0).all() and np.linalg.eigvalsh(scaled).min() > -1e-6)
 
 
-def _covariance(section: dict[str, Any] | None, terms: TermTable, later: Sequence[str]) -> np.ndarray | None:
+def _covariance(section: dict[str, Any] | None, terms: TermTable) -> np.ndarray | None:
     if section is None:
         return None
     fault = InputError("[covariance] does not have one row and one column for each coefficient; mend it")
     try:
-        names = [*section["names"], *later]
-        matrix = np.pad(np.array(section["matrix"], dtype=float), (0, len(later)))
+        names, matrix = list(section["names"]), np.array(section["matrix"], dtype=float)
     except (KeyError, TypeError, ValueError, OverflowError):
         raise fault from None
     if matrix.shape != (len(names), len(names)) or sorted(map(str, names)) != sorted(terms.names):

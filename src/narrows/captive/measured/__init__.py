@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING
 from narrows.base.errors import InputError, did_you_mean
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from narrows.captive.tests import CaptiveTests
 
 TABLES = {"kcs": "kcs_pmm_shallow.csv", "lataire2009": "lataire2009.csv"}
@@ -18,19 +16,6 @@ def measured_files(name: str) -> tuple[Path, Path]:
         raise InputError(f"no bundled tests are called {name!r}{did_you_mean(name, TABLES)}")
     folder = Path(__file__).parent
     return folder / TABLES[name], folder / f"{name}.toml"
-
-
-def measured_squat() -> "pd.DataFrame":
-    """Read the fifteen squat runs of Lataire, Vantorre and Eloot (2009): bank V, draft 0.180 m, depth 0.243 m.
-
-    Columns are ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
-
-    >>> len(nw.measured_squat()) > 10
-    True
-    """
-    import pandas as pd
-
-    return pd.read_csv(Path(__file__).with_name("lataire2009_squat.csv"))
 
 
 def measured_tests(name: str = "kcs", where: str | None = None) -> "CaptiveTests":
