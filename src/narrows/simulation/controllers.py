@@ -98,18 +98,11 @@ class ConstantRudder(_WithoutMemory):
 
     Raises an InputError if it is not finite.
 
-    Parameters
-    ----------
-    rudder : float or DataArray [rad]
-        Angle, positive if it turns the bow to starboard.
-
-    Examples
-    --------
     >>> nw.simulate(kcs, u=6.0, duration=60.0, controller=nw.ConstantRudder(0.1)).grounded
     False
     """
 
-    rudder: Any
+    rudder: Any  #: Angle, positive if it turns the bow to starboard: float or DataArray [rad]
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.rudder).all():
@@ -129,18 +122,12 @@ class RudderSchedule(_WithoutMemory):
 
     Raises an InputError if there is no pair, a number is not finite, or the times do not rise.
 
-    Parameters
-    ----------
-    pairs : sequence of (float [s], float [rad])
-        Rising times, and orders. An order takes effect at the first step that begins then or later.
-
-    Examples
-    --------
     >>> law = nw.RudderSchedule([(0.0, 0.1), (30.0, -0.1)])
     >>> nw.simulate(kcs, u=6.0, duration=60.0, controller=law).grounded
     False
     """
 
+    #: Rising times [s], and orders [rad]: an order takes effect at the first step that begins then or later
     pairs: Sequence[tuple[float, float]]
 
     def __post_init__(self) -> None:
@@ -170,26 +157,15 @@ class Zigzag(_Law):
 
     Raises an InputError if an angle is zero or not finite, or the heading is negative.
 
-    Parameters
-    ----------
-    rudder : float or DataArray [rad]
-        Angle of the first order; negative for a first turn to port.
-    heading : float or DataArray [rad]
-        Heading change at which the order is reversed.
+    Source: ITTC (2017), Recommended procedure 7.5-04-02-01, Full scale manoeuvring trials.
 
-    References
-    ----------
-    ITTC (2017), Recommended procedure 7.5-04-02-01, Full scale manoeuvring trials.
-
-    Examples
-    --------
     >>> law = nw.Zigzag(rudder=0.17, heading=0.17)
     >>> nw.simulate(kcs.in_open_water(), u=6.0, duration=60.0, contact="none", controller=law).grounded
     False
     """
 
-    rudder: Any
-    heading: Any
+    rudder: Any  #: Angle of the first order, negative for a first turn to port: float or DataArray [rad]
+    heading: Any  #: Heading change at which the order is reversed: float or DataArray [rad]
 
     def __post_init__(self) -> None:
         rudder, heading = np.asarray(self.rudder, float), np.asarray(self.heading, float)
@@ -217,33 +193,20 @@ class Zigzag(_Law):
 class Autopilot(_WithoutMemory):
     """A track pilot: rudder in proportion to the deviations, added to the rudder of the steady course.
 
-    Raises an InputError if there are not four gains, or a number is not finite.
+    Its numbers are floats or DataArrays. Raises an InputError if there are not four gains, or a number is not finite.
 
-    Parameters
-    ----------
-    y : float or DataArray [m]
-        Offset to hold.
-    gains : four floats or DataArrays [rad/m, 1, rad s/m, s]
-        Rudder per deviation of offset, heading, sway velocity and yaw rate; positive gains bring the ship back.
-    rudder : float or DataArray [rad]
-        Rudder angle of the steady course there.
-    psi : float or DataArray [rad]
-        Heading of the steady course there.
-    v : float or DataArray [m/s]
-        Sway velocity of the steady course there.
-
-    Examples
-    --------
     >>> pilot = nw.Autopilot(y=0.0, gains=(0.01, 2.0, 0.0, 50.0))
     >>> nw.simulate(kcs, y=10.0, u=6.0, duration=60.0, controller=pilot).grounded
     False
     """
 
-    y: Any
+    y: Any  #: Offset to hold [m]
+    #: Rudder per deviation of offset [rad/m], heading [1], sway velocity [rad s/m] and yaw rate [s]; positive gains
+    #: bring the ship back
     gains: tuple[Any, Any, Any, Any]
-    rudder: Any = 0.0
-    psi: Any = 0.0
-    v: Any = 0.0
+    rudder: Any = 0.0  #: Rudder angle of the steady course there [rad]
+    psi: Any = 0.0  #: Heading of the steady course there [rad]
+    v: Any = 0.0  #: Sway velocity of the steady course there [m/s]
 
     def __post_init__(self) -> None:
         if len(self.gains) != 4:

@@ -131,38 +131,29 @@ class Folding(ast.NodeTransformer):
     """Removes branches that the constants exclude."""
 
     def __init__(self, constants: Mapping[str, Any]) -> None:
-        self.constants = constants
+        self.constants = dict(constants)
 
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        value = self.constants.get(node.id)
-        return ast.Constant(value) if isinstance(value, bool) else node
-
-    def visit_Compare(self, node: ast.Compare) -> ast.expr:
-        name, (sign,), (other,) = node.left, node.ops, node.comparators
-        known = self.constants.get(name.id) if isinstance(name, ast.Name) else None
-        if isinstance(known, float) and isinstance(sign, ast.Gt) and isinstance(other, ast.Constant):
-            return ast.Constant(known > float(str(other.value)))
-        return node
+    def _known(self, test: ast.expr) -> bool | None:
+        """Return the truth of a test of constants alone."""
+        names = {node.id for node in ast.walk(test) if isinstance(node, ast.Name)}
+        return bool(eval(ast.unparse(test), self.constants)) if names <= self.constants.keys() else None
 
     def visit_BoolOp(self, node: ast.BoolOp) -> ast.expr:
         self.generic_visit(node)
         if isinstance(node.op, ast.Or):
             return node
-        if any(_truth(part) is False for part in node.values):
-            return ast.Constant(False)
-        node.values = [part for part in node.values if _truth(part) is None]
+        known = [self._known(part) for part in node.values]
+        node.values = [part for part, truth in zip(node.values, known, strict=True) if truth is None]
+        if False in known or not node.values:
+            return ast.Constant(False not in known)
         return node if len(node.values) > 1 else node.values[0]
 
     def visit_If(self, node: Any) -> Any:
         self.generic_visit(node)
-        known = _truth(node.test)
+        known = self._known(node.test)
         return node if known is None else node.body if known else node.orelse
 
     visit_IfExp = visit_If
-
-
-def _truth(node: ast.expr) -> bool | None:
-    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, bool) else None
 
 
 def _text_of(node: ast.stmt) -> str:
