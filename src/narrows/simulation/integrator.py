@@ -28,11 +28,6 @@ class Row(NamedTuple):
     whole: bool = True  # False within a step that was cut short, where a contact is located
 
 
-class End(NamedTuple):
-    outcome: int  # Outcome code of ``event``
-    side: float  # Clearance to port minus clearance to starboard [m]
-
-
 @dataclass
 class VoyageIntegrator:
     """A ship under way: the lines of its step, and their inputs."""
@@ -118,8 +113,8 @@ class VoyageIntegrator:
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
         return abs(u) < fast and abs(v) < fast and abs(r) < turning and clearance == clearance
 
-    def integrate(self, rows: list[Row], stop: float, dt: float) -> End | None:
-        """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
+    def integrate(self, rows: list[Row], stop: float, dt: float) -> int:
+        """Integrate to a time, or to an earlier end of the voyage; return the outcome of ``event``."""
         begun, state, *_ = rows.pop()
         control, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
         single.schedule(control, dt, stop - begun)
@@ -129,10 +124,10 @@ class VoyageIntegrator:
             trying, length = control[event.TRIES] > 0, control[event.NEXT]
             t, left, done = begun + control[event.CLOCK] + done * length, left - 1, done + 1
             self._ask(t, state)
-            after, clearance, side = self.stepped(state, length)
+            after, clearance, _ = self.stepped(state, length)
             row, sane = Row(t, state, length, self._step_inputs[self._order], not within), self.sane(after, clearance)
             if self._exact and sane and (clearance <= 0 or trying):
-                clearance, side = self._from_banks(after)
+                clearance = self._from_banks(after)[0]
             clear = sane and event.clearance_left(clearance, before, leaves) > 0
             if clear and left > 0 and not trying:
                 rows.append(row)
@@ -145,19 +140,19 @@ class VoyageIntegrator:
             )
             if outcome == event.LOST:
                 rows.append(Row(t, state))
-                return End(event.CLOSED if before <= self.near else outcome, self.clearance(state)[1])
+                return event.CLOSED if before <= self.near else outcome
             if outcome != event.BACK:
                 rows.append(row)
                 state = after
             if outcome == event.CLOSED:
                 rows.append(Row(begun + control[event.CLOCK], state))
-                return End(outcome, side)
+                return outcome
             within = control[event.TRIES] > 0 and (within or outcome == event.ON)
             if outcome == event.FINISHED:
                 break
             left, done, before = control[event.COUNT], 0, self.clearance(state, exact=False)[0]
         rows.append(Row(stop, state))
-        return None
+        return event.FINISHED
 
     def _ask(self, t: float, state: State) -> None:
         if self.order is None or t == self._asked:

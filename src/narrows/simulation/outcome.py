@@ -34,20 +34,14 @@ class Code(IntEnum):
     CHOKED = 8
 
 
-GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY, TOUCHED, CHOKED = (
-    "grounded", "afloat", "left validity", "diverged", "left the waterway", "touched bottom", "choked",
-)  # fmt: skip
-
 # Meaning of the codes; a waterway is left by its beginning or by its end.
 KINDS = {
-    Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY,
-    Code.ASTERN: LEFT_WATERWAY, Code.PASSED: LEFT_WATERWAY,
-    Code.TOUCHED: TOUCHED, Code.CHOKED: CHOKED,
+    Code.AFLOAT: "afloat", Code.GROUNDED: "grounded", Code.DIVERGED: "diverged", Code.OUTSIDE: "left validity",
+    Code.ASTERN: "left the waterway", Code.PASSED: "left the waterway", Code.TOUCHED: "touched bottom",
+    Code.CHOKED: "choked",
 }  # fmt: skip
-
-BEGINNING, END = "beginning", "end"
 # End of the waterway by which a voyage leaves it.
-WAYS = {Code.ASTERN: BEGINNING, Code.PASSED: END}
+WAYS = {Code.ASTERN: "beginning", Code.PASSED: "end"}
 # Side of the ship that meets a bank or the bottom, by the sign in the column ``side``.
 SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -1: "stern"}}
 
@@ -85,20 +79,19 @@ class Outcome(Aliased):
         """The end in words."""
         where = f"after {self.time:.2f} s and {self.distance:.2f} m along the canal"
         heading = math.degrees(self.state["psi"])
-        if self.kind == LEFT_WATERWAY and self.side == END:
-            clear = "" if self.clearance is None else f", least clearance {self.clearance:.3g} m"
-            most = self.largest_rudder
-            helm = "" if most is None else f", largest rudder {math.degrees(most):.1f} deg"
-            return f"Reached the end of the waterway {where}{clear}{helm}."
+        clear = "" if self.clearance is None else f", least clearance {self.clearance:.3g} m"
+        most = self.largest_rudder
+        helm = "" if most is None else f", largest rudder {math.degrees(most):.1f} deg"
         return {
-            GROUNDED: f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
-            AFLOAT: f"Still afloat when the time was up, {where}, {self.lengths:.1f} ship lengths.",
-            LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
-            DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
-            LEFT_WATERWAY: f"Left the waterway by its beginning {where}.",
-            TOUCHED: f"Touched bottom with the {self.side} {where}, at {self.impact_speed:.2f} m/s.",
-            CHOKED: f"Choked the section {where}: the water cannot pass the ship at {self.impact_speed:.2f} m/s.",
-        }[self.kind]
+            "grounded": f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
+            "afloat": f"Still afloat when the time was up, {where}, {self.lengths:.1f} ship lengths.",
+            "left validity": f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
+            "diverged": f"The motion diverged {where}: shorten the time step or look at the coefficients.",
+            "left the waterway": f"Reached the end of the waterway {where}{clear}{helm}."
+            if self.side == "end" else f"Left the waterway by its beginning {where}.",
+            "touched bottom": f"Touched bottom with the {self.side} {where}, at {self.impact_speed:.2f} m/s.",
+            "choked": f"Choked the section {where}: the water cannot pass the ship at {self.impact_speed:.2f} m/s.",
+        }[self.kind]  # fmt: skip
 
     @property
     def sentence(self) -> str:
@@ -107,16 +100,8 @@ class Outcome(Aliased):
 
     def to_dict(self) -> dict[str, Any]:
         """The outcome as plain values, in the documented JSON shape."""
-        return {
-            "outcome": self.kind,
-            "side": self.side,
-            "time": self.time,
-            "distance": self.distance,
-            "impact_speed": self.impact_speed,
-            "state": self.state,
-            "summary": self.sentence,
-            "notes": list(self.notes),
-        }
+        values = {name: getattr(self, name) for name in ("side", "time", "distance", "impact_speed", "state")}
+        return {"outcome": self.kind, **values, "summary": self.sentence, "notes": list(self.notes)}
 
 
 # The track of a voyage on the map: GeoJSON and KML.
@@ -132,35 +117,35 @@ class Track:
     name: str  # Name of the ship
     summary: str  # The end in words
 
+    def _parts(self) -> tuple[tuple[str, str, list[list[float]]], ...]:
+        points: list[list[float]] = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
+        return (self.name, "LineString", points), ("end", "Point", points[-1:])
+
     def geojson(self) -> str:
         """Return the track as a LineString with its times and headings, and its end as a Point."""
         times = {"t": self.t.round(3).tolist(), "heading_deg": self.heading_deg.round(3).tolist()}
-        points = self._points()
         features = [
             {
-                "type": "Feature", "properties": {"name": name, "summary": self.summary, **more},
-                "geometry": {"type": kind, "coordinates": some},
+                "type": "Feature",
+                "properties": {"name": name, "summary": self.summary, **(times if kind == "LineString" else {})},
+                "geometry": {"type": kind, "coordinates": points if kind == "LineString" else points[0]},
             }
-            for name, kind, some, more in ((self.name, "LineString", points, times), ("end", "Point", points[-1], {}))
-        ]  # fmt: skip
+            for name, kind, points in self._parts()
+        ]
         return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
 
     def kml(self) -> str:
         """Return the track as a line and its end as a mark."""
         root = ElementTree.Element("kml", xmlns=KML)
         document = ElementTree.SubElement(root, "Document")
-        points = [f"{longitude},{latitude}" for longitude, latitude in self._points()]
-        for name, kind, some in ((self.name, "LineString", points), ("end", "Point", points[-1:])):
+        for name, kind, points in self._parts():
             placemark = ElementTree.SubElement(document, "Placemark")
             ElementTree.SubElement(placemark, "name").text = name
             ElementTree.SubElement(placemark, "description").text = self.summary
-            ElementTree.SubElement(ElementTree.SubElement(placemark, kind), "coordinates").text = " ".join(some)
+            place = ElementTree.SubElement(ElementTree.SubElement(placemark, kind), "coordinates")
+            place.text = " ".join(f"{longitude},{latitude}" for longitude, latitude in points)
         ElementTree.indent(root)
         return str(ElementTree.tostring(root, encoding="unicode", xml_declaration=True)) + "\n"
-
-    def _points(self) -> list[list[float]]:
-        points: list[list[float]] = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
-        return points
 
 
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.

@@ -261,8 +261,8 @@ def simulate(
     )
     for push in pushes if ending == event.FINISHED else ():
         integrator.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
-        if ended := integrator.integrate(rows, push.stop, dt):
-            ending = ended.outcome
+        ending = integrator.integrate(rows, push.stop, dt)
+        if ending != event.FINISHED:
             break
     shown = [row for row in rows if row.whole]
     if times is not None:
