@@ -115,7 +115,7 @@ def by_dual_numbers(tangent: TangentIntegrator, times: np.ndarray) -> np.ndarray
     """The printed step and the printed constants, run on dual numbers: (kept, by) at the end."""
     from narrows.codegen.choices import ROW
 
-    table = tangent.integrator.channel.water.table
+    table = tangent.integrator.channel.table
     system = tangent._system
     scope = SimpleNamespace(**system._executed("plain", functions(table, ROW)))
     unit = {name: np.array([float(name == other) for other in tangent.by]) for name in tangent.by}

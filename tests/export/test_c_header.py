@@ -103,7 +103,7 @@ def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
         after, clearance, side = integrator.stepped(begun, 0.05)
         close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, clearance, side], 1e-12)
         starboard, port = ship.called("clearance", begun, 2)
-        water, step = integrator.channel.water, 1 / integrator.inputs["cells_a_metre"]
+        water, step = integrator.channel, 1 / integrator.inputs["cells_a_metre"]
         nearer, leaning = exact_clearance(water.track.tolist(), step, *begun[:4], water.outline.tolist())
         close([min(starboard, port), port - starboard], [nearer, leaning], 1e-12)
         by_state = ship.called("by_state", begun, 36).reshape(6, 6)
@@ -145,7 +145,7 @@ def test_voyages_end_where_those_of_python_do(ships: Any, name: str, curved: boo
 
 def test_a_waterway_filled_in_c_is_that_of_python(ships: Any) -> None:
     """By the walls, depths and curvatures of every node: the same table, the same line and banks, the same voyages."""
-    ship, water = ships("steered", True), along_waterway(bent("steered"), model_of("steered"), "corners").water
+    ship, water = ships("steered", True), along_waterway(bent("steered"), model_of("steered"), "corners")
     cells = water.table.reshape(-1, len(COLUMNS), 2)
     nodes = np.concatenate([cells[:, :, 0], cells[-1:].sum(axis=2)])[:, [0, 1, 2, 3, 7, 8]]
     along = np.linspace(0.0, bent("steered").line.length, len(nodes))

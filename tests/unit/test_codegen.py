@@ -74,7 +74,7 @@ def test_the_rates_are_those_of_the_straight_canal_in_one_that_does_not_change()
         system = ship.system(waterway)
         inputs = {**values, **system.constants(values), **channel.inputs, "step_length": 0.3, "share": 1.0}
         names = system.scalar.STEP_INPUTS
-        stepped.append(system.scalar.step(channel.water.table, *state, *(float(inputs[name]) for name in names))[:7])
+        stepped.append(system.scalar.step(channel.table, *state, *(float(inputs[name]) for name in names))[:7])
     np.testing.assert_allclose(stepped[0], stepped[1], rtol=1e-13, atol=1e-14)
 
 

@@ -138,7 +138,7 @@ def test_tangents_of_a_step_in_a_waterway_are_differences(name: str, law: str) -
     rows = {n: step.out[n] for n in (*kept, "clearance", "side")}
     out = [*rows.values(), *(entry for value in rows.values() for entry in slopes_of(value))]
     text = function_text("tangent", ("table", *everything), more.needed_for(out).assignments, out)
-    table = channel.water.table.tolist()
+    table = channel.table.tolist()
     found = function_of(text, "tangent", SCALAR)(table, *everything.values())
 
     def stepped(**changed: float) -> np.ndarray:

@@ -147,7 +147,7 @@ def test_the_plain_step_is_the_kernels(name: str, along: bool, law: str | None, 
         at |= steering.memory(at) if steering else {}
         state = [at[name] for name in system.choices.kept]
         for _ in range(steps):
-            *state, room, _ = system.scalar.step(channel.water.table, *state, *given)
+            *state, room, _ = system.scalar.step(channel.table, *state, *given)
             assert room > 0
         now = dict(zip(system.choices.kept, state, strict=True))
         for kept, value in now.items():

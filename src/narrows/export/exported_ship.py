@@ -303,7 +303,7 @@ class ExportedShip:
         channel = replace(self.ship, bottom=True).channel(self.waterway, self.ship.values())
         if self.waterway is None:
             return float(channel.inputs[AFLOAT_SPEED])
-        first, rise = channel.water.table.reshape(int(channel.inputs["last_cell"]) + 1, -1)[:, -2:].T
+        first, rise = channel.table.reshape(int(channel.inputs["last_cell"]) + 1, -1)[:, -2:].T
         return float(np.minimum(first, first + rise).min())
 
     def about(self) -> Iterator[str]:

@@ -100,7 +100,7 @@ def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | Non
     if exported.waterway is None:
         return None
     channel = exported.channel
-    arrays = {"table": channel.water.table, "track": channel.water.track, "outline": channel.water.outline}
+    arrays = {name: getattr(channel, name) for name in ("table", "track", "outline")}
     text = {
         name: "\n    ".join(wrap(", ".join(map(language.literal, values)), WIDTH)) for name, values in arrays.items()
     }

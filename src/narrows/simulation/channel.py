@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -27,20 +28,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class WaterTable:
-    table: np.ndarray  # Table of a waterway, one row per cell; empty in a straight canal
-    track: np.ndarray  # Nodes of line and banks, for the exact clearance
-    outline: np.ndarray  # Points of the hull, forward and starboard alternating [m]
-
-
-# A straight canal: no table.
-NOWHERE = WaterTable(np.zeros(16), np.zeros(27), np.zeros(6))
-
-
-@dataclass(frozen=True)
 class Channel:
     inputs: Mapping[str, Number]  # Inputs by the names of the lines
-    water: WaterTable  # Table of a waterway, its nodes, and the hull points that meet its banks
+    # A straight canal has no table.
+    table: np.ndarray = field(default_factory=partial(np.zeros, 16))  # Table of a waterway, one row per cell
+    track: np.ndarray = field(default_factory=partial(np.zeros, 27))  # Nodes of line and banks, for the exact clearance
+    outline: np.ndarray = field(
+        default_factory=partial(np.zeros, 6)
+    )  # Points of the hull, forward and starboard alternating [m]
     start: float = -math.inf  # Start of the line; infinite in a straight canal [m]
     length: float = math.inf  # Length of the line; infinite in a straight canal [m]
     # (vessels or nodes,) True if too little water ends a voyage by choking of the section
@@ -50,7 +45,7 @@ class Channel:
         """Return width and depth of a waterway at places along it [m]; nothing of a straight canal."""
         if not math.isfinite(self.length):
             return {}
-        cells = self.water.table.reshape(int(self.inputs["last_cell"]) + 1, -1)
+        cells = self.table.reshape(int(self.inputs["last_cell"]) + 1, -1)
         place = np.maximum(np.nan_to_num(np.asarray(x, float)) * self.inputs["cells_a_metre"], 0.0)
         cell = np.minimum(place, len(cells) - 1).astype(int)
         part = np.minimum(place - cell, 1.0)
@@ -77,9 +72,9 @@ def straight_channel(values: Mapping[str, Number], contact: str | Outline, botto
     walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
     inputs = {**hull_inputs(values, contact), **walls, **limits_of(contact)}
     if not bottom:
-        return Channel(inputs, NOWHERE)
+        return Channel(inputs)
     fastest, chokes = _afloat(values if contact != OPEN else {**values, "width": math.inf})
-    return Channel({**inputs, AFLOAT_SPEED: fastest}, NOWHERE, chokes=chokes)
+    return Channel({**inputs, AFLOAT_SPEED: fastest}, chokes=chokes)
 
 
 def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
@@ -127,8 +122,7 @@ def _from_cells(
         "last_cell": float(len(cells) - 1), "current": current,
         **hull_inputs(model.configuration.values(), contact), **limits_of(contact),
     }  # fmt: skip
-    water = WaterTable(cells.ravel(), table.track, np.array(outline).ravel())
-    return Channel(inputs, water, 0.0, float(table.s[-1]), chokes)
+    return Channel(inputs, cells.ravel(), table.track, np.array(outline).ravel(), 0.0, float(table.s[-1]), chokes)
 
 
 # Cached tables for as long as their centreline exists, since successive voyages use the same.

@@ -54,11 +54,11 @@ class VoyageIntegrator:
 
     @cached_property
     def _table(self) -> list[float]:
-        return list(self.channel.water.table.tolist())
+        return list(self.channel.table.tolist())
 
     @cached_property
     def _shapes(self) -> tuple[list[float], list[float]]:
-        return self.channel.water.track.tolist(), self.channel.water.outline.tolist()
+        return self.channel.track.tolist(), self.channel.outline.tolist()
 
     def set(self, **values: float) -> None:
         for name, value in values.items():

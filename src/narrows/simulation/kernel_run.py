@@ -28,7 +28,7 @@ from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.system import System
 from narrows.model.water import is_full
-from narrows.simulation.channel import Channel, WaterTable, across_of
+from narrows.simulation.channel import Channel, across_of
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.outcome import Code
@@ -63,7 +63,7 @@ class PreparedRun:
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
     vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel; (1, vessel inputs) if none varies
     shared: np.ndarray  # (shared inputs,) Inputs that all share
-    water: WaterTable  # The waterway
+    channel: Channel  # The water
     # (2,) Tolerance of a contact's location, and distance at which a diverging motion counts as contact [m]
     limits: np.ndarray
     workers: int  # Threads
@@ -95,7 +95,7 @@ class PreparedRun:
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import queue
 
-        kernel, water = self.kernel, self.water
+        kernel, water = self.kernel, self.channel
         functions = [entry(kernel, name) for name in ("step", "clearance_of", "ends_of")]
         sizes = np.array([*functions, len(kernel.KEPT_NAMES), kernel.FIELDS, kernel.EXACT])
         arrays = water.table, self.shared, water.track, water.outline, self.limits
@@ -195,7 +195,7 @@ class KernelRun:
         shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in SHARED], float)
         rows = vessels if any(np.ndim(inputs[name]) for name in kernel.VESSEL_INPUTS) else 1
         kept, own = table(kernel.KEPT_NAMES, start, vessels), table(kernel.VESSEL_INPUTS, inputs, rows)
-        return PreparedRun(kernel, kept, times, own, shared, channel.water, limits, workers or cores())
+        return PreparedRun(kernel, kept, times, own, shared, channel, limits, workers or cores())
 
     def _times(self, vessels: int) -> np.ndarray:
         """Return length of a step, whole steps and length of the last, shorter one, (n, 3) [s]."""
@@ -224,7 +224,7 @@ class KernelRun:
         ship |= {AFTER(INPUTS[name]): values.get(AFTER(name), 0.0) for name in PUSHED}
         channel = self.channel(ship)
         law = self.steering.parameters if self.steering else {}
-        law = {name: ship.get(name, value) for name, value in law.items()}
+        law = {name: values.get(name, value) for name, value in law.items()}
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
 
     def channel(self, values: Mapping[str, Any]) -> Channel:
@@ -248,7 +248,7 @@ class KernelRun:
             self.ship.bottom)  # fmt: skip
         where = ""
         if self.waterway is not None:
-            water = self.channel({}).water
+            water = self.channel({})
             where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
         values = sorted(self.ship.values().items(), key=str)
         return f"{self.ship.system().trace.text} {options!r} {law} {where} {values!r}"

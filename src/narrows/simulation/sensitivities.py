@@ -278,7 +278,7 @@ class TangentIntegrator:
         self._integrate(
             np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
             values, np.reshape(along, (module.MOVING, by)), places, np.ascontiguousarray(changing.T), lengths,
-            self.integrator.channel.water.table, states, slopes,
+            self.integrator.channel.table, states, slopes,
         )  # fmt: skip
         return states, slopes
 

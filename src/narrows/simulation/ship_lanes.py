@@ -79,7 +79,7 @@ class ShipLanes:
         self._constants = [self._inputs.get(name) for name in self._system.scalar.CONSTANTS]
         self._base, self._slope = self._by_bank()
         self._none = np.zeros_like(self._base)
-        self._water = self.prepared.water.table.reshape(-1, ROW) if waterway else None
+        self._water = self.prepared.channel.table.reshape(-1, ROW) if waterway else None
         self._endless, self._lasting = endless, (0.0, 0)
         if endless:
             self.prepared.shared[SHARED.index("x_last")] = ENDLESS
