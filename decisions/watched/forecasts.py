@@ -34,7 +34,7 @@ class ForecastsAbreast:
         self.across = estimator.filter.states.places["current_across"]
         self.close = Forecaster(estimator, members=members, escaping=members, ships=AT_ONCE)
         half, few = members // 2, min(SCOUTS, members) // 2
-        self._scouts = self.close.members._normals[np.r_[:few, half : half + few]]
+        self._scouts = self.close.members[np.r_[:few, half : half + few]]
         self._wrong = self.close.laid_out(FutureBlock(self.close.wrong_orders, count))
         self._first = self.close.laid_out(FutureBlock([Case(TAKEOVERS[-1] + ESCAPE_TIME)], AT_ONCE * len(self._scouts)))
 
@@ -55,7 +55,7 @@ class ForecastsAbreast:
             for name, values in self._closely(known, rudder, np.resize(here, AT_ONCE)).items():
                 told[name][here] = values[: len(here)]
         law = self._law(known, np.arange(self.count))
-        (wrong,) = self._wrong([self.close.samples(self.close.members.likely(known.mean), rudder, law, 1)])
+        (wrong,) = self._wrong([self.close.sampled(known.mean, known.root, self.close.likely, rudder, law)])
         told["wrong_order"] = wrong_order_chance(np.isfinite(wrong.contact))
         return {
             **told,
@@ -66,8 +66,8 @@ class ForecastsAbreast:
     def _meets(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> np.ndarray:
         """Which of some ships meet a bank at all if nobody acts, by the scouts."""
         here = np.resize(here, AT_ONCE)
-        drawn = self.close.members._samples(known.mean[here], known.root[here], self._scouts)
-        (outcome,) = self._first([self.close.samples(drawn, rudder[here], self._law(known, here), len(self._scouts))])
+        mean, root, law = known.mean[here], known.root[here], self._law(known, here)
+        (outcome,) = self._first([self.close.sampled(mean, root, self._scouts, rudder[here], law)])
         return np.asarray(np.isfinite(outcome.contact).reshape(AT_ONCE, -1).any(axis=1))
 
     def _law(self, known: Gaussian, here: np.ndarray) -> dict[str, np.ndarray]:

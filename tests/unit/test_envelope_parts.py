@@ -285,15 +285,13 @@ def test_rules_are_exceeded_where_the_envelope_is_safe_beyond_them() -> None:
     held = at(0.0, ([0, 4], 0), (slice(3, 5), slice(1, 3)))
     rudder = np.radians([7.0, 3.0, 0.0, -3.0, -8.0])[:, None] * SAFE
     data = enveloped(held, rudder).data
-    wider, harder, faster = exceeded_rules(data, RULES, 0.95)
+    (bolder,) = exceeded_rules(data, RULES, 0.95)
     # A: by 8 m at 4 knots, by 11 m at 6 knots; B: at 2 knots to 10 m on either side, where it leaves nothing.
-    assert wider.startswith("The envelope is wider than A (-9 m instead of -20 m) and B (nowhere instead of -10 m):")
-    assert harder.startswith("The envelope needs more rudder than C (5 instead of 7 degrees):")
-    assert faster.startswith("The model is safe up to 6.0 knots, above the limits of D (5.9 knots):")
+    assert bolder.startswith("The envelope exceeds A, B, C, D: ")
     assert exceeded_rules(enveloped(0.9 * SAFE, rudder).data, RULES, 0.95) == []
     narrow = enveloped(at(0.0, ([0, 1, 3, 4], slice(None)), (slice(None), [1, 2, 3])), rudder).data
     (only,) = exceeded_rules(narrow, RULES, 0.95)
-    assert only.startswith("The envelope is wider than B (nowhere instead of +0 m):")
+    assert only.startswith("The envelope exceeds B: ")
 
 
 def test_tests_cover_what_is_nearer_to_the_middle_and_between_their_speeds() -> None:

@@ -10,11 +10,11 @@ from scipy.stats import t as student
 from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
-from narrows.estimation import Estimator
+from narrows.estimation import Estimate, Estimator
 from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast, level_time
-from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
-from narrows.warning.forecasting.helmsman import Case, Helmsmen, LineOfSight, escape_numbers
+from narrows.warning.forecasting.forecaster import Forecaster, crossing, rudder_needed
+from narrows.warning.forecasting.helmsman import Case, Helmsmen, LineOfSight, Ships, escape_numbers
 
 FAN_MEMBERS = 32  # ships of the fan
 
@@ -62,15 +62,18 @@ def by_bank(bank: float, coefficients: dict[str, float]) -> nw.Model:
     return replace(ship(), coefficients={**coefficients, **banks})
 
 
+def sampled(one: Forecaster, now: Estimate, normals: np.ndarray, rudder: float = 0.0) -> Ships:
+    law = nobody_yet().law(np.array([SPEED]))
+    return one.sampled(now.joint.mean[None], now.joint.root[None], normals, np.array([rudder]), law)
+
+
 def test_the_tracks_are_where_voyages_go() -> None:
     """The most likely ship each five seconds, as it is and by the escape, by the plain engine; samples lie about it."""
     now = estimate(60.0, 0.02)
     tracks, state = forecaster()(now, {"rudder": 0.02}, nobody_yet()).tracks, now.values
-    (known,) = forecaster().members.likely(now.joint.mean[None]).coefficients
-    model, rudder = (
-        by_bank(state["bank"], dict(zip(ship().terms.names, known, strict=True))),
-        0.02 + state["rudder_bias"],
-    )
+    known = sampled(forecaster(), now, forecaster().likely).coefficients
+    model = by_bank(1.0, {name: float(column[0]) for name, column in known.items()})
+    rudder = 0.02 + state["rudder_bias"]
     for track, since in ((tracks.as_is, 1e9), (tracks.escape, 0.0)):
         voyage = sailed(state, model, Case(60.0, since), rudder, 60.0)
         plain = np.stack([np.interp(tracks.times[:12], voyage.t, voyage[name]) for name in ("x", "y", "psi")], axis=1)
@@ -83,18 +86,14 @@ def test_the_tracks_are_where_voyages_go() -> None:
 def test_every_lane_is_a_voyage(coefficients: str) -> None:
     """Of some samples, in every kind of future: one after the other by the plain engine."""
     now, one, met, clear = estimate(60.0, 0.35, coefficients=coefficients), forecaster(coefficients), 0, 0
-    indicated = np.array([0.3])
-    drawn, law = one.escaping.drawn(now.joint.mean[None], now.joint.root[None]), nobody_yet().law(np.array([SPEED]))
-    ships = one.samples(drawn, indicated, law, one.escaping.count)
-    likely = one.samples(one.members.likely(now.joint.mean[None]), indicated, law, 1)
-    members = one.samples(one.members.drawn(now.joint.mean[None], now.joint.root[None]), indicated, law, 40)
+    members, ships, likely = (sampled(one, now, normals, 0.3) for normals in (one.members, one.escaping, one.likely))
     _, ends, _ = one._lanes([members, ships, likely])
     cases = one._lanes.blocks[1].cases
     for k in range(4):
-        state = dict(zip(now.states.names, drawn.states[k], strict=True))
-        model = by_bank(state["bank"], dict(zip(ship().terms.names, drawn.coefficients[k], strict=True)))
+        state = {name: float(column[k]) for name, column in ships.columns.items()}
+        model = by_bank(1.0, {name: float(column[k]) for name, column in ships.coefficients.items()})
         for number, case in list(enumerate(cases))[::3]:
-            rudder = indicated[0] + state["rudder_bias"]
+            rudder = 0.3 + state["rudder_bias"]
             outcome = sailed(state, model, case, rudder, case.duration).outcome
             hit = outcome.kind in ("grounded", "left validity")
             assert np.isfinite(ends.contact[number, k]) == hit, (k, case)
@@ -108,12 +107,17 @@ def test_every_lane_is_a_voyage(coefficients: str) -> None:
 @pytest.mark.parametrize("coefficients", ["estimated", "certain"])
 def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
     now = estimate(60.0, 0.02, coefficients=coefficients)
-    drawn = Members(estimator(coefficients).filter, 16000, 0).drawn(now.joint.mean[None], now.joint.root[None])
-    np.testing.assert_allclose(drawn.states.mean(axis=0), now.normal.mean, rtol=1e-9, atol=1e-12)
+    one = forecaster(coefficients)
+    half = np.random.default_rng(0).standard_normal((8000, one.members.shape[1]))
+    ships = sampled(one, now, np.concatenate([half, -half]))
+    states = np.stack([*ships.columns.values()])
+    np.testing.assert_allclose(states.mean(axis=1), now.normal.mean, rtol=1e-9, atol=1e-12)
     size = np.sqrt(np.diag(now.covariance))
-    off = (np.cov(drawn.states.T) - now.covariance) / np.outer(size, size)
+    off = (np.cov(states) - now.covariance) / np.outer(size, size)
     assert np.abs(off).max() < 0.1
-    spread, told = drawn.coefficients.std(axis=0), np.sqrt(np.diag(ship().covariance))
+    from_bank = {term.name for term in ship().terms.terms if term.from_bank}
+    drawn = [column / (ships.columns["bank"] if n in from_bank else 1.0) for n, column in ships.coefficients.items()]
+    spread, told = np.std(drawn, axis=1), np.sqrt(np.diag(ship().covariance))
     assert (spread <= 1.1 * told).all()
     assert (spread > 0.2 * told).sum() >= (coefficients != "certain") * len(told) / 2
 

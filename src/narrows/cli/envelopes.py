@@ -10,6 +10,7 @@ from narrows.base.errors import InputError
 from narrows.cli.options import Argument, DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
 from narrows.cli.voyages import CurrentText
 from narrows.empirical.fleet import model_named
+from narrows.safety.settings import SAMPLES
 
 # Number of places of ``--along all``.
 ALONG_PLACES = 11
@@ -89,7 +90,7 @@ class CaseOptions:
     reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3
     keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None
     most_revolutions: Annotated[float | None, "Limit of the engine [1/s], for a propeller."] = None
-    samples: Annotated[int | None, "Number of samples; default: enough to determine the edge to a step."] = None
+    samples: Annotated[int, "Number of samples."] = SAMPLES
     seed: Annotated[int, "Seed of the samples."] = 0
 
 
@@ -130,7 +131,6 @@ def envelope(
         "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
     }  # fmt: skip
     if section.along is not None:
-        asked = {name: value for name, value in asked.items() if (name, value) != ("samples", None)}
         waterway = section.read()
         along = nw.envelope_along(ship, waterway, section.places(waterway), **asked)
         from narrows.report.envelope_chart import envelope_along_chart, print_envelope_along

@@ -15,8 +15,6 @@ EASE = 0.5
 ENGINE_RESERVE = 1.5
 # Time constant of the speed governor's integral.
 GOVERNOR_TIME = 3.0
-# Linear pieces of a change of speed: along the way the square of the speed is linear, the speed is not.
-PIECES = 4
 # Predictive helm: horizon of a plan [ship lengths], its default number of intervals, the largest number, and plans per
 # interval.
 HORIZON_LENGTHS = 2.4

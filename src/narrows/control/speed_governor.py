@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from narrows.control import settings
 from narrows.control.linearization import linearize
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
+from narrows.quantities.names import Number
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
 from narrows.simulation.initial_state import self_propulsion
@@ -27,14 +27,16 @@ SHORTFALL = "surge_shortfall"
 class SpeedGovernor(BaseSummary):
     """Propeller revolutions that follow a speed plan along the way, while a helm steers.
 
-    The plan is linear between points. The revolutions are those that keep its speed straight ahead, plus a term for its
-    slope, plus a proportional and an integral part of the speed error; at a limit of the engine the integral stops.
+    The plan is the fastest speed that keeps every limit, with a steady rate of change. The revolutions are those that
+    keep its speed straight ahead, linear between the slowest and the fastest limit, plus a term for its rate, plus a
+    proportional and an integral part of the speed error; at a limit of the engine the integral stops.
     """
 
     helm: ControlLaw  # Controls the rudder
-    x: Sequence[float]  # Places along the way, rising [m]
-    u: Sequence[float]  # Surge velocity through the water at each [m/s]
-    revolutions: Sequence[float]  # Revolutions that keep it straight ahead [1/s]
+    x: Sequence[float]  # Places along the way, rising, from which the limits hold [m]
+    u: Sequence[float]  # Limits of the surge velocity through the water [m/s]
+    revolutions: Sequence[float]  # Revolutions that keep each straight ahead [1/s]
+    rate: float  # Rate of speed changes [m/s2]
     gain: float  # Revolutions per speed error [1/m]
     integral_gain: float  # Revolutions per integral of the speed error [1/(m s)]
     inertia: float  # Revolutions per acceleration [s/m]
@@ -48,10 +50,11 @@ class SpeedGovernor(BaseSummary):
         return f"{min(self.u):.3g} to {max(self.u):.3g} m/s along the way, {type(self.helm).__name__} at the rudder"
 
     def parameters(self) -> Mapping[str, Any]:
-        plan = {"plan_u": self.u[0], "plan_revolutions": self.revolutions[0]}
-        plan |= {f"plan_x_{i}": x for i, x in enumerate(self.x)}
-        for name, values in (("u", self.u), ("revolutions", self.revolutions)):
-            plan |= {f"plan_slope_{name}_{i}": slope for i, slope in enumerate(np.diff(values) / np.diff(self.x))}
+        (slow, least), (fast, most) = (pick(zip(self.u, self.revolutions, strict=True)) for pick in (min, max))
+        by_speed = (most - least) / (fast - slow) if fast > slow else least / slow
+        plan = {"plan_rate": self.rate, "plan_slowest": slow, "plan_revolutions": least, "plan_by_speed": by_speed}
+        for name, values in (("x", self.x), ("u", self.u)):
+            plan |= {f"limit_{name}_{i}": value for i, value in enumerate(values)}
         gains = {"surge_gain": self.gain, "surge_integral_gain": self.integral_gain, "surge_inertia_gain": self.inertia}
         return {**self.helm.parameters(), **plan, **gains, "most_revolutions": self.most_revolutions}
 
@@ -60,14 +63,9 @@ class SpeedGovernor(BaseSummary):
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         orders, kept = self.helm.orders(at)
-        speed, rate, revolutions = at.plan_u, 0.0, at.plan_revolutions
-        for i in range(len(self.x) - 1):
-            first, last = getattr(at, f"plan_x_{i}"), getattr(at, f"plan_x_{i + 1}")
-            covered = minimum(maximum(at.x - first, 0.0), last - first)
-            slope = getattr(at, f"plan_slope_u_{i}")
-            speed = speed + slope * covered
-            revolutions = revolutions + getattr(at, f"plan_slope_revolutions_{i}") * covered
-            rate = rate + choice(at.x - first, choice(last - at.x, slope * at.u, 0.0), 0.0)
+        places, limits = ([getattr(at, f"limit_{name}_{i}") for i in range(len(self.x))] for name in "xu")
+        speed, rate = planned_speed(at.x, places, limits, at.plan_rate)
+        revolutions = at.plan_revolutions + at.plan_by_speed * (speed - at.plan_slowest)
         speed_error, shortfall = speed - at.u, getattr(at, SHORTFALL)
         wanted = revolutions + at.surge_inertia_gain * rate + at.surge_gain * speed_error
         unlimited = wanted + at.surge_integral_gain * (shortfall + at.dt * speed_error)
@@ -113,10 +111,6 @@ def speed_governor(
             f"deceleration = {rate:g} m/s2: give more than 0 and at most the {coasting:.3g} that this ship loses at "
             f"{slowest:g} m/s with its propeller stopped, or leave it out"
         )
-    x = _points(places, speeds, rate)
-    u = [planned_speed(place, places, speeds, rate) for place in x]
-    known = dict(zip(speeds, revolutions, strict=True))
-    turns = [known[speed] if speed in known else self_propulsion(model, speed) for speed in u]
     most = settings.ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
     # Proportional and integral gain by pole placement, and revolutions per surge acceleration.
     linear = linearize(model, u=slowest, surge="free")
@@ -124,7 +118,7 @@ def speed_governor(
     slope, push = float(linear.A[row, row]), float(linear.B[row, linear.controls.index("revolutions")])
     pole = slowest / (settings.GOVERNOR_TIME * model.configuration.ship.length)
     gains = (2 * pole + slope) / push, pole**2 / push, 1 / push
-    return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *gains, most)
+    return SpeedGovernor(helm, places, speeds, revolutions, rate, *gains, most)
 
 
 def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
@@ -137,23 +131,19 @@ def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
     return places, speeds
 
 
-def planned_speed(x: float, places: Sequence[float], speeds: Sequence[float], rate: float) -> float:
-    """Return the fastest speed at a place that keeps every limit [m/s]."""
-    edges = [-math.inf, *places[1:], math.inf]
-    away = [max(first - x, x - last, 0.0) for first, last in pairwise(edges)]
-    return min(math.sqrt(speed**2 + 2 * rate * gap) for speed, gap in zip(speeds, away, strict=True))
-
-
-def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> list[float]:
-    """Points of the plan: the limits, and along each change between two of their speeds."""
-    # Along the way the square of the speed is linear: the speed itself in a few pieces.
-    shares = [piece / settings.PIECES for piece in range(settings.PIECES)]
-    levels = [*(slow + (fast - slow) * share for slow, fast in pairwise(sorted(set(speeds))) for share in shares)]
-    levels.append(max(speeds))
-    gaps = {(fast**2 - slow**2) / (2 * rate) for slow in speeds for fast in levels if fast >= slow}
-    bends = sorted({edge + gap * way for edge in places for gap in gaps for way in (-1, 1)})
-    points = [bends[0] - 1.0, *bends, bends[-1] + 1.0]
-    plan = [planned_speed(x, places, speeds, rate) for x in points]
-    triples = zip(points, plan, points[1:], plan[1:], points[2:], plan[2:], strict=False)
-    bent = [x for x0, u0, x, u, x1, u1 in triples if abs(u - (u0 + (u1 - u0) * (x - x0) / (x1 - x0))) > 1e-9 * u]
-    return [points[0], *bent, points[-1]]
+def planned_speed(x: Number, places: Sequence[Number], speeds: Sequence[Number], rate: Number) -> tuple[Number, Number]:
+    """Return the fastest speed at a place that keeps every limit [m/s], and its rate of change [m/s2]."""
+    speed: Number = math.inf
+    change: Number = 0.0
+    for i, limit in enumerate(speeds):
+        gap: Number = 0.0
+        own_change: Number = 0.0
+        # Before the reach of the limit the ship brakes, after it it gains speed.
+        ends = [(places[i] - x, -rate)] * bool(i) + [(x - place, rate) for place in places[i + 1 : i + 2]]
+        for distance, its_change in ends:
+            gap = gap + maximum(distance, 0.0)
+            own_change = choice(distance, its_change, own_change)
+        own = (limit**2 + 2.0 * rate * gap) ** 0.5
+        change = choice(speed - own, own_change, change) if i else own_change
+        speed = minimum(speed, own) if i else own
+    return speed, change

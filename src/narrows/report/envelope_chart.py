@@ -250,8 +250,7 @@ def print_envelope(envelope: SafeEnvelope) -> None:
         speeds = [{**row, "mark": "" if row["keel_clear"] else " !"} for row in envelope.speed_rows()]
         console.print()
         console.print(table_of(SPEED_COLUMNS, speeds))
-        console.print("\nPublished rules, for comparison (* not all numbers were checked in the source):")
-        console.print(table_of(RULE_COLUMNS, map(_in_words, envelope.rules.rows()), left=("rule",)))
+        console.print(f"\nPublished rules, for comparison:\n{envelope.rules.summary()}")
     else:
         console.print("Add --verbose for under-keel clearance by speed and for published design and canal rules.")
     print_notes(console, (*envelope.notes, *envelope.rules.notes))
@@ -264,10 +263,6 @@ OFFSET_COLUMNS = {
     "limited by": "{limited_by}",
 }  # fmt: skip
 SPEED_COLUMNS = {"speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clearance:.2f}{mark}"}
-RULE_COLUMNS = {
-    "rule": "{rule}{mark}", "at [kn]": "{speeds}", "offsets it leaves [m]": "{left}",
-    "speed limit [kn]": "{speed_limit:.2f}", "of choking": "{of_choking:.0%}", "rudder [deg]": "{rudder:g}",
-}  # fmt: skip
 STYLES = ("-", "--", ":")
 RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
 
@@ -300,16 +295,6 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
                 1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
                 va="center", fontsize=7.2, color=BLACK,
             )  # fmt: skip
-
-
-def _in_words(row: dict[str, Any]) -> dict[str, Any]:
-    """A row of the rules, with the range of its speeds and what it leaves in words."""
-    speeds = left = ""
-    if row["width"] is not None:
-        speeds = f"{row['slowest']:g} " + (f"to {row['fastest']:g}" if row["fastest"] else "on")
-        fits = row["starboard"] is not None
-        left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (needs {row['width']:.0f} m)"
-    return {**row, "mark": "" if row["standing"] == READ else " *", "speeds": speeds, "left": left}
 
 
 def envelope_along_chart(along: EnvelopeAlong) -> Figure:

@@ -19,6 +19,12 @@ BANKS = ("gentle", "sloping", "steep")
 # Verification of the numbers of a rule.
 READ, REMEMBERED = "checked in the source", "from memory, not checked"
 KMH_PER_MS = 3.6  # Kilometres per hour in one metre per second
+# Limits in words, by the name of their column.
+WORDS = {
+    "slowest": "from {:g} knots on", "fastest": "to {:g} knots", "width": "needs {:.0f} m of water",
+    "port": "offsets from {:+.0f} m", "starboard": "to {:+.0f} m", "speed_limit": "{:.2f} knots",
+    "of_choking": "{:.0%} of choking", "rudder": "{:g} degrees of rudder at most, for long",
+}  # fmt: skip
 CONDITIONS = {"over": operator.gt, "least": operator.ge, "most": operator.le}
 
 
@@ -56,7 +62,10 @@ class OutsideRules(Tabulated):
     choke: float  #: Speed at which the canal is choked; infinite if the depth is unknown [m/s]
 
     def summary(self) -> str:
-        return "\n".join(map(_line, self.rows()))
+        return "\n".join(
+            f"{row['rule']}: {', '.join(form.format(row[name]) for name, form in WORDS.items() if row[name])}."
+            for row in self.rows()
+        )
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -132,21 +141,3 @@ def outside_rules(
     return OutsideRules(
         ship.length, ship.beam, ship.draft, depth, bank, *(walls or (canal.width / 2, canal.width / 2)), choke
     )
-
-
-def _line(row: dict[str, Any]) -> str:
-    if row["speed_limit"] is not None:
-        share = f", {100 * row['of_choking']:.0f} % of choking" if row["of_choking"] else ""
-        return f"{row['rule']}: {row['speed_limit']:.2f} knots{share}."
-    if row["rudder"] is not None:
-        return f"{row['rule']}: {row['rudder']:g} degrees of rudder at most, for long."
-    if row["starboard"] is None:
-        return f"{row['rule']}{_speeds(row)}: none, it needs {row['width']:.0f} m of water."
-    return f"{row['rule']}{_speeds(row)}: from {row['port']:+.0f} to {row['starboard']:+.0f} m off the middle."
-
-
-def _speeds(row: dict[str, Any]) -> str:
-    low, high = row["slowest"], row["fastest"]
-    if high is None:
-        return f", over {low:g} knots" if low else ""
-    return f", {low:g} to {high:g} knots" if low else f", to {high:g} knots"

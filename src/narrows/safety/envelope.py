@@ -1,7 +1,6 @@
 """The safe envelope: how fast, and how far off the centreline, a ship stays controllable."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -26,7 +25,7 @@ from narrows.simulation.inputs import check_workers, finite_numbers
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = settings.RESERVE, keel: float | None = None,
-    most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
+    most_revolutions: float | None = None, samples: int = settings.SAMPLES, seed: int = 0, walls: Walls | None = None,
     bank: str = "steep", controller: str = "regulator", curvature: float = 0.0, current: float = 0.0,
     workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
@@ -56,9 +55,8 @@ def safe_envelope(
         Least clearance under the keel; a twentieth of the draft unless given.
     most_revolutions : float [1/s], optional
         Limit of the engine, for a model with a propeller: it limits the speed.
-    samples : int, optional
-        Number of samples of coefficients and disturbances; default: enough to determine the edge to a step of the
-        offsets and speeds.
+    samples : int
+        Number of samples of coefficients and disturbances; the answer names what they leave uncertain.
     seed : int
         Seed of the samples.
     walls : pair of float [m], optional
@@ -88,13 +86,12 @@ def safe_envelope(
     )  # fmt: skip
     under = keel_at(model, request.speeds)
     bounds = bounds_of(request, under)
-    inside = (bounds["tested"] & bounds["clear"]).to_numpy()
     try_more = partial(
         trials, y=request.offsets, u=request.speeds, heave=under.midship, disturbance=request.disturbance,
         walls=request.walls, bend=request.bend, workers=workers, progress=progress,
         pilot=choose_pilot(request, under.midship, bounds["clear"].to_numpy(), seed, workers),
     )  # fmt: skip
-    tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, inside)
+    tried = try_more(model, samples=samples, seed=seed)
     likely = tried
     if model.covariance is not None:
         likely = try_more(replace(model, covariance=None), samples=settings.LIKELY_SAMPLES, seed=seed)
@@ -164,32 +161,13 @@ def _spread(size: int, most: int) -> np.ndarray:
     return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))
 
 
-def settled_trials(
-    try_more: Callable[..., xr.Dataset], samples: int | None, seed: int, limit: float, clear: np.ndarray
-) -> xr.Dataset:
-    """Return trials of so many samples, or doubled until the edge is determined."""
-    # limit [rad]; clear (offsets, speeds)
-    if samples is not None:
-        return try_more(samples=samples, seed=seed)
-    tried, rounds = try_more(samples=settings.FIRST_SAMPLES, seed=seed), 0
-    while (count := tried.sizes["sample"]) < settings.MOST_SAMPLES:
-        held = safely(tried, limit, "held").mean("sample").transpose("y", "u").to_numpy()
-        if is_settled(*share_interval(held, count), settings.SURE_SHARE, clear):
-            break
-        rounds += 1
-        another = int(np.random.SeedSequence((seed, rounds)).generate_state(1)[0])
-        tried = xr.concat([tried, try_more(samples=count, seed=another)], "sample")
-    return tried
-
-
 def controllable_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
     # tried [rad]; limit [rad]. A sample without a course counts as beyond hard over, on the side of the others.
     rudder, count = tried["rudder"], tried.sizes["sample"]
     shares = {"found": np.isfinite(rudder).mean("sample"), "holds": (np.abs(rudder) <= limit).mean("sample")}
-    for name in ("held", "known"):
-        share = shares[name] = safely(tried, limit, name).mean("sample")
-        for end, column in zip(("low", "high"), share_interval(share.to_numpy(), count), strict=True):
-            shares[f"{name}_{end}"] = share.copy(data=column)
+    shares |= {name: safely(tried, limit, name).mean("sample") for name in ("held", "known")}
+    for end, column in zip(("low", "high"), share_interval(shares["held"].to_numpy(), count), strict=True):
+        shares[f"held_{end}"] = shares["held"].copy(data=column)
     filled = rudder.fillna(xr.where(rudder.median("sample") < 0, -np.inf, np.inf))
     middle = _quantile(filled, MEDIAN, "midpoint")
     angles = {
@@ -232,12 +210,3 @@ def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarra
     middle = (share + square / 2) / (1 + square)
     half = QUANTILE_95 * np.sqrt(share * (1 - share) / count + square / (4 * count)) / (1 + square)
     return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
-
-
-def is_settled(low: np.ndarray, high: np.ndarray, share: float, clear: np.ndarray) -> bool:
-    """Return whether the edge of the safe area is known to a step of the grid."""
-    from scipy.ndimage import binary_dilation
-
-    # low, high (offsets, speeds); clear (offsets, speeds)
-    perhaps = (high >= share) & clear
-    return not (perhaps & ~binary_dilation((low >= share) & clear)).any()

@@ -15,7 +15,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
-from narrows.safety.headline import MORE, estimated, runs, safe_offsets, sure_blocks
+from narrows.safety.headline import estimated, runs, safe_offsets
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope, noting
 from narrows.ship.particulars import Ship
@@ -101,18 +101,7 @@ class EnvelopeAlong(BaseResult):
         if nowhere:
             sentences.append(f"No speed and offset is safe at {nowhere} m.")
         untested = f"Not tested: {self.untested}." if self.untested else ""
-        doubts = (self._doubt(), *dict.fromkeys(one.trust for one in self.envelopes))
-        return " ".join(filter(None, (*sentences, untested, *doubts)))
-
-    def _doubt(self) -> str:
-        """Return the places at which the samples leave the safe area uncertain, in a sentence."""
-        unsure = []
-        for place, one in zip(self.places, self.envelopes, strict=True):
-            sure, perhaps = sure_blocks(one.data, settings.SURE_SHARE)
-            if perhaps != sure and one.by_model().any():
-                unsure.append(f"{place:.0f}")
-        where = "everywhere" if len(unsure) == len(self.places) else f"at {', '.join(unsure)} m"
-        return f"With {self.envelopes[0].samples} cases the edges are uncertain {where}; {MORE}." if unsure else ""
+        return " ".join(filter(None, (*sentences, untested, *dict.fromkeys(one.trust for one in self.envelopes))))
 
     def to_dict(self) -> dict[str, Any]:
         first = self.envelopes[0]
@@ -128,7 +117,7 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
     that reach: least free width (less what the hull sweeps in a bend) times water under the keel. By default
-    it has nine offsets, nine speeds and those where the tests end, with 400 samples.
+    it has nine offsets, nine speeds and those where the tests end.
 
     Raises an InputError if a place is not on the waterway or they do not rise, the ship does not fit, or an option is
     impossible.
@@ -155,7 +144,7 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
     water, known = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope]()
     for reach in reaches:  # A canal of one section has one envelope.
         if (key := _section(reach)) not in known:
-            options = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
+            options = {**reach.asked, **envelope}
             if options.get("y") is None:
                 options["y"] = default_offsets(reach.model, options["walls"], settings.ALONG_OFFSETS)
             if options.get("u") is None:

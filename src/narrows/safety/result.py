@@ -12,7 +12,7 @@ from narrows.base.results import BaseResult
 from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation, unknown_ranges
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
+from narrows.safety.channel_rules import OutsideRules, outside_rules
 from narrows.safety.headline import RANGE, cause, headline, runs, safe_by
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import EnvelopeRequest, Keel
@@ -42,8 +42,8 @@ class SafeEnvelope(BaseResult):
         infinite if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients.
         Shares of the samples: ``found``, with a
         steady course; ``holds``, whose course leaves the reserve; ``held``, held by the pilot for the best estimate;
-        ``known``, held by that pilot or by one with the true coefficients; the last two also with ``_low`` and
-        ``_high``, 95 % intervals for the number of samples. ``certain``: share of the disturbances in which a pilot
+        ``known``, held by that pilot or by one with the true coefficients. ``held_low`` and ``held_high``: the 95 %
+        interval for the number of samples. ``certain``: share of the disturbances in which a pilot
         with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
         ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Attributes:
         ship, canal, weather, notes, pilot, offsets at which the keel meets the banks [m], beam [m], rudder limit
@@ -247,46 +247,26 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> list[str]:
 
 
 def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> list[str]:
-    """Return a sentence each on exceeded rules of widths, of rudder angles and of speeds, with the reason."""
+    """Return a sentence on the rules that the envelope exceeds in width, rudder or speed, with the reason."""
     data, safe = data.transpose("y", "u", ...), safe_by(data, share)
     if not safe.any():
         return []
-    y, knots = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
+    y, knots, exceeded = data["y"].to_numpy(), data["u"].to_numpy() / KNOT, dict[str, None]()
     rudder = float(np.degrees(np.abs(data["rudder"].to_numpy()[safe]).max()))  # The median of the samples
     fastest = float(knots[safe.any(axis=0)].max())
-    wider: dict[str, tuple[float, str]] = {}  # The largest excess of each rule, in metres and in words
-    harder, faster = [], []
     for row in rules.rows():
-        rule = row["rule"]
-        if row["width"] is not None:
+        if row["width"] is None:
+            over = rudder > (row["rudder"] or np.inf) or fastest > (row["speed_limit"] or np.inf)
+        else:
             far = y[safe[:, (knots >= row["slowest"]) & (knots <= (row["fastest"] or np.inf))].any(axis=1)]
-            wider[rule] = max(wider.get(rule, (0.0, "")), _excess(row, far))
-        elif row["rudder"] is not None and rudder > row["rudder"]:
-            harder.append(f"{rule} ({row['rudder']:g} instead of {rudder:.0f} degrees)")
-        elif row["speed_limit"] is not None and fastest > row["speed_limit"]:
-            faster.append(f"{rule} ({row['speed_limit']:.1f} knots)")
-    widths = " and ".join(words for _, words in wider.values() if words)
-    sentences = {
-        f"The envelope is wider than {widths}: those widths include manual steering, wind and current; the pilot of "
-        "these trials has exact offset, heading and drift, and only the weather above.": widths,
-        f"The envelope needs more rudder than {' and '.join(harder)}: here the steady rudder leaves a reserve, which "
-        "the trials test, instead of staying small.": harder,
-        f"The model is safe up to {fastest:.1f} knots, above the limits of {', '.join(faster)}: those limits also "
-        "protect banks and traffic, which is not examined here.": faster,
-    }
-    return [sentence for sentence, exceeded in sentences.items() if exceeded]
-
-
-def _excess(row: dict[str, Any], far: np.ndarray) -> tuple[float, str]:
-    """Return by how much safe offsets exceed a rule [m], and both limits in words; 0 and no words if they do not."""
-    fits = row["starboard"] is not None
-    port, starboard = (row["port"], row["starboard"]) if fits else (0.0, 0.0)
-    if not far.size or (fits and far.min() >= port and far.max() <= starboard):
-        return 0.0, ""
-    place = float(far[np.abs(far).argmax()])
-    allowed = f"{starboard if place > 0 else port:+.0f} m" if fits else "nowhere"
-    doubt = "" if row["standing"] == READ else ", in part from memory"
-    return max(port - far.min(), far.max() - starboard), f"{row['rule']} ({allowed} instead of {place:+.0f} m{doubt})"
+            fits = row["starboard"] is not None
+            over = far.size > 0 and not (fits and row["port"] <= far.min() and far.max() <= row["starboard"])
+        exceeded |= {row["rule"]: None} if over else {}
+    reasons = (
+        "their widths include manual steering, wind and current, where the pilot of these trials has exact offset, "
+        "heading and drift; their small rudder is here a reserve; their speeds also protect banks and traffic"
+    )
+    return [f"The envelope exceeds {', '.join(exceeded)}: {reasons}."] if exceeded else []
 
 
 # Parts of an envelope inside the tested range. Wording of ranges for the bridge.

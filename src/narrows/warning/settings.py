@@ -65,7 +65,6 @@ OTHERS_QUEUE = 5_000  # messages of other ships that wait
 LONGEST_LINE = 4096  # [bytes] a sentence has 82, and some more before it
 LATE = 60.0  # [s] a line may stand this much too late in a recording
 SIGNAL_K_AGE = 5.0  # [s] that a time of Signal K may be off that of this machine
-MOST_SENDERS = 64  # senders of datagrams whose unfinished lines are kept
 LONGEST_SILENCE = 120.0  # [s] replayed second by second; a longer silence is skipped
 # The monitor
 GYRO_NOISE, TURN_NOISE = math.radians(0.2), math.radians(0.03)  # [rad], [rad/s] of instruments that nobody described

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +13,6 @@ from narrows.codegen.choices import CURRENT_ACROSS
 from narrows.control.linearization import local_water, steady_courses
 from narrows.control.steady_course import RUDDER
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Estimate
 from narrows.quantities.names import GRAVITY
 from narrows.ship.particulars import half_swept
@@ -48,11 +47,6 @@ FAN_EVERY, FAN_MEMBERS = 2, 32  # Every second time, and the samples, of the fan
 AS_IS, HELMSMAN = Case(AFTER), Case(AFTER, 0.0)
 
 
-class Samples(NamedTuple):
-    states: np.ndarray  # (ships, states) Mean of the estimate
-    coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
-
-
 def escapes(manoeuvres: tuple[Manoeuvre, ...], takeovers: np.ndarray) -> list[Case]:
     return [Case(since + ESCAPE_TIME, since, one) for one in manoeuvres for since in takeovers.tolist()]
 
@@ -68,15 +62,19 @@ class Forecaster:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
         driven = any(name == REVOLUTIONS for name in self.filter.actuators)
         self.manoeuvres = (STEADY, KICK) if driven else (STEADY,)
-        self.members = Members(self.filter, members + members % 2, seed)
-        self.escaping = Members(self.filter, escaping + escaping % 2, seed + 1)
-        self._drawn = Members(self.filter, FAN_MEMBERS, seed)
+        # Standard normal numbers of the samples of a block, (samples, n): they stay the same, so that from one forecast
+        # to the next only the posterior changes. Half of them mirror the other half; the most likely ship has zeros.
+        size = len(self.filter.states) + self.filter.root.shape[1]
+        draws = ((members, seed), (escaping, seed + 1), (FAN_MEMBERS, seed))
+        halves = [np.random.default_rng(own).standard_normal(((count + 1) // 2, size)) for count, own in draws]
+        self.members, self.escaping, self._fan = (np.concatenate([half, -half]) for half in halves)
+        self.likely = np.zeros((1, size))
 
     @cached_property
     def _lanes(self) -> FutureLanes:
         count, cases = self.ships, escapes(self.manoeuvres, TAKEOVERS)
         likely = [AS_IS, *escapes(self.manoeuvres, CHANCES), *self.wrong_orders]
-        blocks = ((AS_IS, HELMSMAN), self.members.count), (cases, self.escaping.count), (likely, 1)
+        blocks = ((AS_IS, HELMSMAN), len(self.members)), (cases, len(self.escaping)), (likely, 1)
         return self.laid_out(*(FutureBlock(each, count * members) for each, members in blocks))
 
     @cached_property
@@ -110,8 +108,7 @@ class Forecaster:
         seen = self.judge(mean, root, rudder, law, helmsman.unattended, turns)
         best, limit = int(seen.best[0]), self.filter.model.configuration.gear.limit
         lanes, count = self._track_lanes, len(TIMES)
-        drawn, single = self._drawn.drawn(mean, root), self._drawn.likely(mean)
-        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(single, rudder, law, 1)], turns)
+        lanes([self.sampled(mean, root, normals, rudder, law) for normals in (self._fan, self.likely)], turns)
         fan, ends = lanes.poses()
         first = count * (1 + best)
         tracks = Tracks(TIMES, fan.swapaxes(0, 1), ends[:count, 0], ends[first : first + count, 0])
@@ -130,11 +127,8 @@ class Forecaster:
         revolutions: float | None = None,
     ) -> "JudgedFutures":  # fmt: skip
         """Simulate the futures of ships abreast: mean (ships, n), root (ships, n, k)."""
-        blocks = [
-            self.samples(members.drawn(mean, root), rudder, law, members.count)
-            for members in (self.members, self.escaping)
-        ]
-        blocks.append(self.samples(self.members.likely(mean), rudder, law, 1))
+        drawn = self.members, self.escaping, self.likely
+        blocks = [self.sampled(mean, root, normals, rudder, law) for normals in drawn]
         return judged(self._lanes(blocks, revolutions), self.ships, len(self.manoeuvres), unattended)
 
     def order(self, now: Mapping[str, float]) -> float:
@@ -161,14 +155,23 @@ class Forecaster:
             middle, width = here.middle, here.width
         return max(float((width / 2 - np.abs(y - middle) - half_swept(ship, psi)).min()), 0.0)
 
-    def samples(self, drawn: Samples, rudder: np.ndarray, law: Mapping[str, np.ndarray], members: int) -> Ships:
-        terms = self.filter.model.terms
-        columns = dict(zip(self.filter.states.names, drawn.states.T, strict=True))
-        coefficients = dict(zip(terms.names, drawn.coefficients.T, strict=True))
+    def sampled(
+        self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray, rudder: np.ndarray, law: Mapping[str, np.ndarray]
+    ) -> Ships:
+        """Return samples of the joint posterior of state and coefficients, one ship abreast after the other."""
+        terms, own, size = self.filter.model.terms, self.filter.model.coefficients, len(self.filter.states)
+        points = mean[:, None] + normals[:, : root.shape[2]] @ root.transpose(0, 2, 1)
+        points, count = points.reshape(-1, mean.shape[1]), len(normals)
+        columns = dict(zip(self.filter.states.names, points[:, :size].T, strict=True))
+        # Coefficients by the directions of their covariance, within the bounds of their terms.
+        middle, (low, high) = np.array([own[name] for name in terms.names]), np.array([t.bound for t in terms.terms]).T
+        drawn = middle + points[:, size:] @ self.filter.root.T
+        drawn = np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle))
+        coefficients = dict(zip(terms.names, drawn.T, strict=True))
         bank = columns.get("bank", 1.0)
         coefficients |= {term.name: bank * coefficients[term.name] for term in terms.terms if term.from_bank}
-        true = np.repeat(rudder, members) + columns.get("rudder_bias", 0.0)
-        return Ships(columns, true, coefficients, {name: np.repeat(value, members) for name, value in law.items()})
+        true = np.repeat(rudder, count) + columns.get("rudder_bias", 0.0)
+        return Ships(columns, true, coefficients, {name: np.repeat(value, count) for name, value in law.items()})
 
 
 class JudgedFutures(NamedTuple):
@@ -224,41 +227,6 @@ def crossing(times: np.ndarray, share: np.ndarray, limit: float) -> np.ndarray:
     part = np.where(high > low, (limit - low) / np.where(high > low, high - low, 1.0), 0.0)
     when = times[before] + part * (times[after] - times[before])
     return np.where(over[:, 0], -1.0, np.where(over.any(axis=1), when, np.inf))
-
-
-@dataclass
-class Members:
-    """Samples of the joint posterior of state and coefficients."""
-
-    # The standard normal numbers stay the same: from one forecast to the next only the posterior changes.
-
-    filter: ShipFilter  # Filter of the estimator
-    count: int  # Number of samples, even: half of them mirror the other half about the mean
-    seed: int  # Seed of the samples
-
-    @cached_property
-    def _normals(self) -> np.ndarray:
-        size = len(self.filter.states) + self.filter.root.shape[1]
-        half = np.random.default_rng(self.seed).standard_normal((self.count // 2, size))
-        return np.concatenate([half, -half])
-
-    def drawn(self, mean: np.ndarray, root: np.ndarray) -> Samples:
-        """Return the samples of ships abreast, one ship after the other: mean (ships, n), root (ships, n, k)."""
-        return self._samples(mean, root, self._normals)
-
-    def likely(self, mean: np.ndarray) -> Samples:
-        """Return the mean of state and coefficients of each ship."""
-        return self._samples(mean, np.zeros((len(mean), mean.shape[1], 1)), np.zeros((1, self._normals.shape[1])))
-
-    def _samples(self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray) -> Samples:
-        size = len(self.filter.states)
-        points = mean[:, None] + normals[:, : root.shape[2]] @ root.transpose(0, 2, 1)
-        points, model = points.reshape(-1, mean.shape[1]), self.filter.model
-        # Coefficients by the directions of their covariance, within the bounds of their terms.
-        middle = np.array([model.coefficients[name] for name in model.terms.names])
-        low, high = np.array([term.bound for term in model.terms.terms]).T
-        drawn = middle + points[:, size:] @ self.filter.root.T
-        return Samples(points[:, :size], np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
 
 
 def rudder_needed(

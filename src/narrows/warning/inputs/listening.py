@@ -6,7 +6,7 @@ import math
 import re
 import socket
 import time
-from collections import Counter, OrderedDict, deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -100,8 +100,8 @@ class Listening:
         return dict(+total)
 
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
-        splitters: OrderedDict[str, LineSplitter] = OrderedDict()
-        signal_k = SignalK(faults)
+        # A datagram ends its last line, so that those of several senders do not mix.
+        splitter, signal_k = LineSplitter(faults), SignalK(faults)
 
         def broken(why: str) -> None:
             self.broken[connection.address] = why
@@ -113,10 +113,6 @@ class Listening:
                 for message in signal_k.deltas(content, time.time()):
                     self.inbox.put(Arrival(now, message))
                 continue
-            splitter = splitters.setdefault(sender, LineSplitter(faults))
-            splitters.move_to_end(sender)
-            while len(splitters) > settings.MOST_SENDERS:
-                splitters.popitem(last=False)
             for sentence in sentences(splitter.lines(content, connection.whole), faults):
                 if sentence.kind.endswith("ACN") and sender not in self._peers:
                     faults[NO_PEER] += 1

@@ -7,15 +7,13 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from narrows.control.linearization import linearize
-from narrows.control.regulator import lqr
 from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.model.tables import table_named
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
-from narrows.simulation.controllers import VoyageState
+from narrows.simulation.controllers import RudderSchedule
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.waterway import Bank, Centreline
@@ -26,10 +24,8 @@ from narrows.waterway.waterway import Waterway
 LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
 # Radius and start of the bend, and distance between the points of the line [m].
 RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
-# Length of the transit; times of the rudder on the wrong side, and of the receding bank [s].
-DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
-# The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
-WRONG_RUDDER, MOMENT = 27.0, 3.0
+# Length of the transit [s]; the rudder on the wrong side, and hard over to the other side too late: pairs [s], [deg].
+DURATION, RUDDER = 330.0, ((40.0, 27.0), (120.0, -35.0))
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
 
@@ -68,24 +64,9 @@ class Demonstration:
 def demonstration() -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
-    middle, course = linearize(model, u=SPEED), linearize(model, LINE, SPEED).course
-    held = {name: float(course[name]) for name in ("y", "psi", "v", "r", "rudder")}
-    # Half a beam off the line costs as much as 5 degrees off the course and 10 degrees of rudder.
-    weights = [(model.configuration.ship.beam / 2) ** -2, math.radians(5.0) ** -2, 0.0, 0.0]
-    (gains,), *_ = lqr(middle, weights, math.radians(10.0) ** -2, "rudder")
-
-    def order(t: float, state: VoyageState) -> float:
-        """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten."""
-        if MISTAKE[0] <= t < MISTAKE[1]:
-            return math.radians(WRONG_RUDDER)
-        return float(held["rudder"] - np.dot(gains, [getattr(state, name) - held[name] for name in middle.states]))
-
-    turn, rudder = middle.states.index("r"), middle.controls.index("rudder")
-    by_rudder = float(middle.B[turn, rudder] / middle.G[turn, middle.disturbances.index("N")])
-    moment = by_rudder * math.radians(MOMENT)
     voyage = simulate(
-        model, x=300.0, y=LINE, u=SPEED, controller=order, waterway=way, duration=DURATION, dt=1.0,
-        N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
+        model, x=300.0, y=LINE, u=SPEED, controller=RudderSchedule([(t, math.radians(angle)) for t, angle in RUDDER]),
+        waterway=way, duration=DURATION, dt=1.0,
     )  # fmt: skip
     return Demonstration(model, way, voyage)
 
