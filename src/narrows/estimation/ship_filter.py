@@ -205,7 +205,7 @@ class ShipFilter:
         size = np.where(counts & (covariance.diagonal() > 0.0), np.sqrt(covariance.diagonal()), np.inf)
         scale = np.where(np.isfinite(size), size, 1.0)
         share, axes = np.linalg.eigh(covariance / np.outer(size, size))
-        certain = share <= 1e-9 * max(float(share.max()), 0.0)
+        certain = share <= 1e-9 * share.max()
         return np.asarray(scale[:, None] * axes[:, ~certain] * np.sqrt(share[~certain]))
 
     @cached_property
