@@ -51,8 +51,6 @@ def test_its_table_has_a_row_for_each_time_and_says_what_was_not_measured() -> N
     assert rows.columns.tolist() == ["record", "t", "x", "y"]
     assert len(rows) == 10
     assert rows["y"].isna().sum() == 4
-    data = nw.ShipLog((record("A"),)).dataset()
-    assert data["x"].attrs["units"] == "m"
 
 
 def test_it_is_drawn() -> None:

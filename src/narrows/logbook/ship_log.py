@@ -14,7 +14,6 @@ from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,17 +269,3 @@ class ShipLog(BaseResult):
         frames = {record.name: record.to_dataframe() for record in self.records}
         rows = pd.concat(frames, names=["record"]).reset_index() if frames else pd.DataFrame({"record": [], "t": []})
         return rows[["record", "t", *self.counts]]
-
-    def dataset(self) -> "xarray.Dataset":
-        """Return the rows as an xarray Dataset with units: NaN where a signal was not measured."""
-        import xarray
-
-        rows = self.to_dataframe()
-        variables: Mapping[str, Any] = {
-            name: ("row", rows[name].to_numpy(), {"units": SIGNALS[name].unit, "long_name": SIGNALS[name].meaning})
-            for name in self.counts
-        }
-        time = ("row", rows["t"].to_numpy(float), {"units": "s", "long_name": "time"})
-        coordinates = {"record": ("row", rows["record"].to_numpy()), "t": time}
-        attributes = {"summary": self.summary(), "notes": "\n".join(self.notes)}
-        return xarray.Dataset(variables, coords=coordinates, attrs=attributes)

@@ -4,7 +4,6 @@ import hashlib
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -34,7 +33,6 @@ STRETCHES = (
     "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
 )
 HASH_DIGITS = 12  # Digits of a hash in a sentence
-A_DATE = 1e8  # Times after this one count from 1970 [s]
 
 
 @accept_aliases
@@ -93,38 +91,23 @@ def learn(
     return log_result(setup, found, free, piloted)
 
 
-def hash_of(log: Iterable[ShipRecord]) -> tuple[str, float, float]:
-    """Return the hash of all names, times and values of a log, and its first and last time [s]."""
-    hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
-    for record in log:
-        hashed.update(record.name.encode())
-        start, stop = min(start, record.start), max(stop, record.stop)
-        for key in record:
-            hashed.update(key.encode())
-            for column in (record[key].t, record[key].values):
-                hashed.update(np.ascontiguousarray(column, float).tobytes())
-    return hashed.hexdigest(), float(start), float(stop)
-
-
 def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int) -> Source:
-    sha256, start, stop = hash_of(log)
-    name = Path(str(getattr(log, "name", "a log"))).name
+    """Return the provenance: of the model before, and of the log with the hash of its names, times and values."""
+    hashed = hashlib.sha256()
+    for record in log:
+        for key in record:
+            hashed.update(f"{record.name} {key}".encode())
+            hashed.update(np.stack([record[key].t, record[key].values]).tobytes())
+    name, sha256 = Path(str(getattr(log, "name", "a log"))).name, hashed.hexdigest()
     if isinstance(log, ShipLog):
         name = " to ".join(dict.fromkeys((log.names[0], log.names[-1])))
-    model = hashlib.sha256(repr(sorted(prior.coefficients.items())).encode())
-    model.update(np.ascontiguousarray(prior.covariance, float).tobytes())
     text = (
-        f"learned from {records} record{'s' * (records > 1)} of the ship itself ({name}, {_when(start)} to "
-        f"{_when(stop)}, sensors {sensors}, sha256 {sha256[:HASH_DIGITS]}...), from the model "
-        f"{model.hexdigest()[:HASH_DIGITS]}..."
+        f"learned from {records} record{'s' * (records > 1)} of the ship itself ({name}, sensors {sensors}, sha256 "
+        f"{sha256[:HASH_DIGITS]}...)"
     )
     before = prior.source
     pairs = (before.text, text), (before.table, name), (before.sha256, sha256)
     return Source(*("; ".join(filter(None, pair)) for pair in pairs))
-
-
-def _when(t: float) -> str:
-    return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"
 
 
 def log_result(

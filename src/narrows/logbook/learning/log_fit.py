@@ -48,10 +48,8 @@ class Forecast:
 class RecordAnswer(Aliased):
     name: str  # Name of the record
     duration: float  # Duration [s]
-    steps: int  # Steps of the filter
     zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
     information: dict[str, float]  # Share of each coefficient's information that comes from the record [1]
-    moved: dict[str, float]  # Change of each coefficient by the record
     # Root mean square errors of forecasts over 3.5 ship lengths of y [m], psi [rad] and r [rad/s]: by the model before
     # the log, and by the model learned from all other records
     forecast_rmse: dict[str, tuple[float, float]]
@@ -93,9 +91,8 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     }  # fmt: skip
     read = {name: grid.readings[name] for name in ("x", *JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
-        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), zeros,
+        grid.record.name, float(grid.times[-1] - grid.times[0]), zeros,
         dict(zip(prior.names, gone.tolist(), strict=True)),
-        dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in JUDGED},
         heading if nomoto is None else heading | {"nomoto": nomoto}, both if drawn else None,
         {name: (grid.times_of(signal), signal.values) for name, signal in read.items()},
@@ -205,7 +202,7 @@ UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
 MOVED_STDS = 3.0  # Change from which a contradiction names a coefficient [prior standard deviations]
 # Fields of each record in ``to_dict``.
-RECORD_FIELDS = ("name", "duration", "steps", "zeros", "information", "moved", "whole")
+RECORD_FIELDS = ("name", "duration", "zeros", "information", "whole")
 
 
 class Gusts(NamedTuple):

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -16,7 +16,13 @@ from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
 from narrows.logbook.steady_legs.learn_steady import LegProblem
-from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings, reading_error
+from narrows.logbook.steady_legs.steady_readings import (
+    READ,
+    ReadingErrors,
+    SteadyConditions,
+    SteadyReadings,
+    reading_error,
+)
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
@@ -36,8 +42,13 @@ class PlannedLeg:
 
     @property
     def side(self) -> str:
-        """``starboard``, ``port`` or ``middle``."""
-        return "starboard" if self.offset > 0 else "port" if self.offset < 0 else "middle"
+        """``starboard`` or ``port``."""
+        return "starboard" if self.offset > 0 else "port"
+
+    def mirrored(self) -> "PlannedLeg":
+        """Return the leg to the other side."""
+        angles = (tuple(-angle for angle in reversed(own)) for own in (self.rudder, self.drift))
+        return PlannedLeg(-self.offset, self.speed, *angles)
 
 
 @dataclass(frozen=True, repr=False)
@@ -143,27 +154,27 @@ def plan_steady(
     beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
-    found = candidates(model, beside, ahead, reserve, side)
-    allowed = [place for place in found if place.allowed]
+    allowed, refused = allowed_legs(model, beside, ahead, reserve, side)
     problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, errors))
     size = len(problem.precision)
     pairs = problem.informations().reshape(2, len(allowed), size, size).swapaxes(0, 1)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
-    order = sorted(best, key=lambda i: allowed[i][:2])
+    order = sorted(best, key=lambda i: (allowed[i].offset, allowed[i].speed))
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
     known = [log_posterior(problem, np.zeros(size), one).covariance for one in information]
     std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
     notes = (
-        *model.notes, *water_notes(None, model.configuration.canal.depth), *_refused(found, reserve, side),
+        *model.notes, *water_notes(None, model.configuration.canal.depth), *refused,
         f"Assumed: {errors.summary()}; {conditions.summary()}.",
         "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
         "ship there, and the master decides.",
     )  # fmt: skip
     return SteadyPlan(
-        tuple(allowed[i].leg(sign) for i, sign in held), names, {name: std[name] for name in names}, model, errors,
-        conditions, reserve, side, max((place.offset for place in allowed), default=0.0), notes,
+        tuple(allowed[i] if sign > 0 else allowed[i].mirrored() for i, sign in held), names,
+        {name: std[name] for name in names}, model, errors, conditions, reserve, side,
+        max((leg.offset for leg in allowed), default=0.0), notes,
     )  # fmt: skip
 
 
@@ -177,47 +188,13 @@ def _rising(name: str, values: object) -> np.ndarray:
     return np.unique(column)
 
 
-class Place(NamedTuple):
-    """A place that may be held to either side."""
-
-    offset: float  # To starboard [m]
-    speed: float  # Through the water [m/s]
-    rudder: float  # With the most likely coefficients [rad]
-    psi: float  # Drift with the most likely coefficients [rad]
-    rudder_range: list[float]  # 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
-    psi_range: list[float]  # The same [rad]
-    within: float  # Share of the samples that leave the rudder its reserve [1]
-    clear: bool  # True where side and keel have their clearance
-
-    @property
-    def allowed(self) -> bool:
-        return self.clear and self.within >= SURE_SHARE and math.isfinite(self.rudder)
-
-    def leg(self, sign: int) -> PlannedLeg:
-        rudder, drift = (tuple(sorted(sign * angle for angle in own)) for own in (self.rudder_range, self.psi_range))
-        return PlannedLeg(sign * self.offset, self.speed, rudder, drift)
-
-
-def _refused(found: Sequence[Place], reserve: float, clearance: float) -> list[str]:
-    notes, short = [], [place for place in found if place.clear and not place.allowed]
-    if short:
-        first = min(short, key=lambda place: place.offset)
-        notes.append(
-            f"{len(short)} of {len(found)} places are not allowed for the rudder: at {first.offset:.3g} m only "
-            f"{100 * first.within:.0f} % of the samples leave {100 * reserve:.0f} % of it."
-        )
-    if beyond := sum(not place.clear for place in found):
-        notes.append(f"{beyond} are not allowed for the keel, or for {clearance:.3g} m to the bank.")
-    return notes
-
-
-def held_exactly(allowed: Sequence[Place], errors: ReadingErrors) -> SteadyReadings:
-    """Return the readings of legs held as planned at each allowed place, to starboard and then to port."""
-    y, u, rudder, drift = np.array([place[:4] for place in allowed]).reshape(-1, 4).T
-    values = {"y": np.append(y, -y), "u": np.append(u, u), "rudder": np.append(rudder, -rudder)}
-    values["drift"] = np.append(drift, -drift)
-    stated = {name: np.full(2 * len(allowed), reading_error(errors, name)) for name in values}
-    return SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
+def held_exactly(legs: Sequence[PlannedLeg], errors: ReadingErrors) -> SteadyReadings:
+    """Return the readings of legs held as planned at each place, to starboard and then to port."""
+    both = [*legs, *(leg.mirrored() for leg in legs)]
+    columns = np.array([(leg.offset, leg.speed, leg.rudder[1], leg.drift[1]) for leg in both]).reshape(-1, 4).T
+    values = dict(zip(READ, columns, strict=True))
+    stated = {name: np.full(len(both), reading_error(errors, name)) for name in READ}
+    return SteadyReadings(tuple(map(str, range(len(both)))), values, stated)
 
 
 def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
@@ -268,20 +245,31 @@ def usual_speeds(model: Model) -> np.ndarray:
     return np.unique(np.floor(speeds / digit + 0.5) * digit) * KNOT
 
 
-def candidates(model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float) -> list[Place]:
+def allowed_legs(
+    model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float
+) -> tuple[list[PlannedLeg], list[str]]:
+    """Return the legs to starboard that may be held, and sentences on the others."""
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
-    mean = steady_course(model, **steady)
     drawn = steady_course(model, samples=settings.PLAN_SAMPLES, **steady).transpose("place", "sample")
     rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
+    angles = [np.quantile(part, QUANTILES, axis=1, method="higher").T for part in (rudder, psi)]
     gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
-    turned = ship.length / 2 * np.abs(np.sin(mean["psi"].to_numpy()))
+    with np.errstate(invalid="ignore"):  # No steady course
+        turned = ship.length / 2 * np.abs(np.sin(angles[1][:, 1]))
     beside = canal.width / 2 - np.abs(y) - ship.beam / 2 - turned >= clearance
     unknown = np.isnan(keel.clearance) & (canal.depth is None)
-    under = (unknown | (keel.clearance >= KEEL_SHARE * ship.draft)) & (u < keel.choke)
-    rudder_range, psi_range = (np.quantile(part, QUANTILES, axis=1, method="higher").T for part in (rudder, psi))
+    clear = beside & (unknown | (keel.clearance >= KEEL_SHARE * ship.draft)) & (u < keel.choke)
     within = (np.abs(rudder) <= (1 - reserve) * gear.limit).mean(axis=1)
-    likely, clear = (mean["rudder"].to_numpy(), mean["psi"].to_numpy()), beside & under
-    columns = y, u, *likely, rudder_range, psi_range, within, clear
-    return [Place(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+    notes, allowed = [], clear & (within >= SURE_SHARE)
+    if (short := clear & ~allowed).any():
+        first = int(np.argmin(np.where(short, y, np.inf)))
+        notes.append(
+            f"{short.sum()} of {len(y)} places are not allowed for the rudder: at {y[first]:.3g} m only "
+            f"{100 * within[first]:.0f} % of the samples leave {100 * reserve:.0f} % of it."
+        )
+    if not clear.all():
+        notes.append(f"{(~clear).sum()} are not allowed for the keel, or for {clearance:.3g} m to the bank.")
+    rows = zip(*(part[allowed].tolist() for part in (y, u, *angles)), strict=True)
+    return [PlannedLeg(at, speed, tuple(helm), tuple(drift)) for at, speed, helm, drift in rows], notes
