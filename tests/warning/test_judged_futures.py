@@ -10,7 +10,7 @@ from scipy.stats import expon
 from transit import SENSORS, estimate, estimator, ship
 
 from narrows.estimation import Estimator
-from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, escapes, judged
+from narrows.warning.forecasting.forecaster import Forecaster, crossing, escapes, judged
 from narrows.warning.forecasting.helmsman import KICK, STEADY, Case, FutureLanes, Helmsmen, Outcomes, Ships
 
 TAKEOVERS = [0, 5, 10, 15, 20, 25, 30, 40, 50, 60, 90, 120]  # [s]
@@ -108,10 +108,10 @@ def one() -> Forecaster:
 
 
 def test_samples_are_mirrored_so_their_number_is_even(one: Forecaster) -> None:
-    assert (one.members.count, one.escaping.count) == (4, 6)
-    normals = one.members._normals
+    assert (len(one.members), len(one.escaping)) == (4, 6)
+    normals = one.members
     np.testing.assert_array_equal(normals[:2], -normals[2:])
-    assert not np.allclose(one.escaping._normals[:2], normals[:2])
+    assert not np.allclose(one.escaping[:2], normals[:2])
 
 
 def test_wrong_orders_are_hard_over_to_either_side(one: Forecaster) -> None:
@@ -148,36 +148,32 @@ def test_the_least_water_of_a_track_is_that_beside_its_corners(water: bool) -> N
 
 
 def test_coefficients_are_drawn_within_their_bounds_and_the_likely_ship_has_their_mean() -> None:
-    filter_, now = estimator().filter, estimate(60.0, 0.02)
-    members = Members(filter_, 400, 1)
-    middle = np.array([ship().coefficients[name] for name in ship().terms.names])
-    size, (low, high) = len(filter_.states), np.array([term.bound for term in ship().terms.terms]).T
-
-    def coefficients(points: np.ndarray) -> np.ndarray:
-        along = middle + points[:, size:] @ filter_.root.T
-        return np.clip(along, np.minimum(low, middle), np.maximum(high, middle))
-
-    likely = members.likely(now.joint.mean[None])
-    np.testing.assert_allclose(likely.coefficients, coefficients(now.joint.mean[None]), rtol=1e-12)
-    np.testing.assert_array_equal(likely.states, now.joint.mean[None, :size])
+    """Samples have the bank as strong as they have it, their own rudder, and the law of their helmsman."""
+    one, now = Forecaster(estimator(), members=400, escaping=2), estimate(60.0, 0.02)
+    names, states = ship().terms.names, one.filter.states.names
+    middle = np.array([ship().coefficients[name] for name in names])
+    size, (low, high) = len(states), np.array([term.bound for term in ship().terms.terms]).T
     mean, root = now.joint.mean[None], now.joint.root[None]
-    both = members.drawn(np.repeat(mean, 2, 0), np.repeat(root, 2, 0))
-    assert both.states.shape == (800, size)
-    np.testing.assert_array_equal(both.states[:400], both.states[400:])
-    points = mean[0] + members._normals[:, : root.shape[2]] @ root[0].T
-    np.testing.assert_allclose(both.coefficients[400:], coefficients(points), rtol=1e-9, atol=1e-12)
 
+    def expected(points: np.ndarray) -> dict[str, np.ndarray]:
+        along = middle + points[:, size:] @ one.filter.root.T
+        drawn = np.clip(along, np.minimum(low, middle), np.maximum(high, middle))
+        bank = points[:, states.index("bank")]
+        return {n: c * (bank if ship().terms[n].from_bank else 1.0) for n, c in zip(names, drawn.T, strict=True)}
 
-def test_samples_have_their_own_bank_rudder_and_law(one: Forecaster) -> None:
-    now = estimate(60.0, 0.02)
-    drawn = one.escaping.drawn(now.joint.mean[None], now.joint.root[None])
-    ships = one.samples(drawn, np.array([0.1]), {"since": np.array([9.0])}, 6)
-    states = dict(zip(estimator().filter.states.names, drawn.states.T, strict=True))
-    np.testing.assert_allclose(ships.rudder, 0.1 + states["rudder_bias"])
-    assert ships.helmsman["since"].tolist() == [9.0] * 6
-    for name, column in zip(ship().terms.names, drawn.coefficients.T, strict=True):
-        bank = states["bank"] if ship().terms[name].from_bank else 1.0
-        np.testing.assert_allclose(ships.coefficients[name], bank * column)
+    rudder, law = np.array([0.1, 0.2]), {"since": np.array([9.0, 8.0])}
+    likely = one.sampled(mean, root, one.likely, rudder[:1], {"since": np.array([9.0])})
+    for name, column in expected(mean).items():
+        np.testing.assert_allclose(likely.coefficients[name], column, rtol=1e-12)
+    np.testing.assert_array_equal(np.stack([*likely.columns.values()]).ravel(), mean[0, :size])
+    both = one.sampled(np.repeat(mean, 2, 0), np.repeat(root, 2, 0), one.members, rudder, law)
+    points = mean[0] + one.members[:, : root.shape[2]] @ root[0].T
+    for name, column in expected(points).items():
+        np.testing.assert_allclose(both.coefficients[name], np.tile(column, 2), rtol=1e-9, atol=1e-12)
+    for index, name in enumerate(states):
+        np.testing.assert_allclose(both.columns[name], np.tile(points[:, index], 2), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(both.rudder, np.repeat(rudder, 400) + both.columns["rudder_bias"])
+    np.testing.assert_array_equal(both.helmsman["since"], np.repeat([9.0, 8.0], 400))
 
 
 def test_the_current_of_a_lane_is_that_where_the_flow_is_1() -> None:
