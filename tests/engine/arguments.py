@@ -14,8 +14,7 @@ import narrows as nw
 from faults import scaled
 from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
-from narrows.quantities.names import Quantity
-from narrows.ship.actuators import Actuator, Part
+from narrows.ship.actuators import Actuator, Part, number_in
 from readers_files import TURNED
 from tables import DTC_SHIP, frame_of, short_twin, written
 
@@ -125,8 +124,7 @@ class Thruster(Part):
 
     SECTION: ClassVar[str] = "thruster"
     POSITION: ClassVar[str] = "thrust"
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {"power": Quantity("N", "largest thrust")}
-    power: float
+    power: float = number_in("N", "largest thrust")
 
 
 @cache

@@ -1,6 +1,5 @@
 """Actuators: a jet of this file's own, which the package knows nothing of, goes wherever a rudder goes."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
@@ -16,8 +15,7 @@ import narrows as nw
 from narrows.model.tables import with_helm
 from narrows.model.term import ScaleEffect
 from narrows.quantities.dimensions import Dimension, dimension_of
-from narrows.quantities.names import Quantity
-from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part
+from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part, number_in
 from tables import DTC_SHIP, frame_of, many_runs
 
 
@@ -27,17 +25,10 @@ class BowThruster(Part):
 
     SECTION: ClassVar[str] = "trial_jet"
     POSITION: ClassVar[str] = "trial_jet"
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {
-        "diameter": Quantity("m", "diameter of the tunnel"),
-        "lever": Quantity("m", "forward of midship"),
-        "limit": Quantity("1/s", "most turns a second"),
-        "rate": Quantity("1/s2", "fastest change of them"),
-    }
-
-    diameter: float
-    lever: float
-    limit: float
-    rate: float
+    diameter: float = number_in("m", "diameter of the tunnel")
+    lever: float = number_in("m", "forward of midship")
+    limit: float = number_in("1/s", "most turns a second")
+    rate: float = number_in("1/s2", "fastest change of them")
 
 
 TURNS = "turns of the jet, positive where it pushes the bow to starboard"
@@ -227,9 +218,7 @@ def test_a_steady_course_balances_it(tug: nw.Model) -> None:
 class RunningThruster(BowThruster):
     """One whose section says how it turns, where nothing moves it."""
 
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {**BowThruster.NUMBERS, "trial_jet": Quantity("1/s", TURNS)}
-
-    trial_jet: float = 0.0
+    trial_jet: float = number_in("1/s", TURNS, 0.0)
 
 
 def test_the_envelope_feels_it(tug: nw.Model) -> None:

@@ -19,7 +19,6 @@ from narrows.report.style import (
     GREY,
     HATCHES,
     ORANGE,
-    Margins,
     panels,
 )
 from narrows.ship.particulars import Configuration
@@ -33,7 +32,7 @@ def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarra
 
 def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     """Draw forces measured and estimated, with the bank's part (the paper's fig. result)."""
-    figure, axes = panels(3, 1, 6.2, Margins(), "", sharex=True)
+    figure, axes = panels(3, 1, 6.2, "", sharex=True)
     for panel, (force, label) in zip(axes[:, 0], FORCE_LABELS.items(), strict=True):
         terms = fit.terms.forces[force]
         names = tuple(term.name for term in terms)
@@ -68,7 +67,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
     rows = np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))
     forces = [force for force in ("Y", "N") if fit.terms.forces[force]]
-    figure, axes = panels(1, len(forces), 3.2, Margins(across=0.6), "")
+    figure, axes = panels(1, len(forces), 3.2, "")
     for panel, force in zip(axes[0], forces, strict=True):
         names = [term.name for term in fit.terms.forces[force]]
         columns = np.stack([np.broadcast_to(fit.terms[name].column(values), tests.rows) for name in names], axis=1)
@@ -86,7 +85,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
 def intervals_figure(fit: Fit) -> Figure:
     """Draw each coefficient's 95 % interval relative to its value; with an open marker if poorly identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
-    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), Margins(left=1.0), "x")
+    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), "x")
     panel = axes[0, 0]
     for i, name in enumerate(names):
         size, sure = abs(fit.coefficients[name]), fit.verdicts[name].status == IDENTIFIED
@@ -106,9 +105,7 @@ def shapley_figure(fit: Fit) -> Figure:
     shares = {kind: fit.shapley(kind) for kind in KINDS}
     forces = list(shares[KINDS[0]])
     sizes = [len(shares["mse"][f]) for f in forces]
-    figure, axes = panels(
-        1, len(forces), 2.9, Margins(bottom=0.85, top=0.3, across=0.15), "y", sharey=True, width_ratios=sizes
-    )
+    figure, axes = panels(1, len(forces), 2.9, "y", sharey=True, width_ratios=sizes)
     for panel, force in zip(axes[0], forces, strict=True):
         names = tuple(shares["mse"][force])
         for i, (kind, colour) in enumerate(zip(KINDS, (BLUE, ORANGE, GREEN), strict=True)):
@@ -130,7 +127,7 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     # covered [m]
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
-    figure, axes = panels(1, 1, 3.0, Margins())
+    figure, axes = panels(1, 1, 3.0)
     panel = axes[0, 0]
     if covered:
         panel.axvspan(
@@ -149,7 +146,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)
     values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)
-    figure, axes = panels(1, 1, 3.2, Margins(), "")
+    figure, axes = panels(1, 1, 3.2, "")
     panel = axes[0, 0]
     levels = [-4, -2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2, 4]
     filled = panel.contourf(y, psi, values, levels=levels, cmap="PuOr", extend="both", norm="symlog")
@@ -164,8 +161,7 @@ def correlation_figure(fit: Fit) -> Figure:
     """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
     overall = fit.diagnostics.overall
     sizes = [max(4, len(d.names)) for d in overall.values()]
-    margins = Margins(left=0.65, right=0.65, bottom=0.65, top=0.4, across=0.6)
-    figure, axes = panels(1, len(overall), 3.3, margins, "", width_ratios=sizes)
+    figure, axes = panels(1, len(overall), 3.3, "", width_ratios=sizes)
     image = None
     for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
         image = _matrix(panel, diagnosis)
@@ -174,7 +170,7 @@ def correlation_figure(fit: Fit) -> Figure:
             f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)},\ncondition {condition}", fontsize=8, y=1.0
         )
     if image is not None:
-        figure.colorbar(image, cax=figure.add_axes((0.925, 0.25, 0.012, 0.55)), label="correlation [1]")
+        figure.colorbar(image, ax=axes[0].tolist(), label="correlation [1]", shrink=0.7, aspect=40)
     return figure
 
 
@@ -199,14 +195,13 @@ def influence_figure(fit: Fit) -> Figure:
     """Draw the share of each coefficient's information that comes from each test."""
     influence = fit.influence
     influence = influence.iloc[np.sort(np.argsort(-influence.max(axis=1).to_numpy())[:MOST_TESTS])]
-    left = min(0.5 + 0.05 * max(map(len, influence.index)), 3.0)
-    figure, axes = panels(1, 1, 1.6 + 0.13 * len(influence), Margins(left=left, right=0.1, bottom=0.85), "")
+    figure, axes = panels(1, 1, 1.6 + 0.13 * len(influence), "")
     panel = axes[0, 0]
     image = panel.imshow(influence.to_numpy(), cmap="Blues", vmin=0, vmax=1, aspect="auto")
     panel.set_xticks(range(influence.shape[1]), influence.columns, rotation=90)
     panel.set_yticks(range(len(influence)), influence.index, fontsize=6.5)
     panel.set(xlabel="coefficient [-]", ylabel="test [-]")
-    figure.colorbar(image, ax=panel, label="share of the information from the test [1]", shrink=0.8)
+    figure.colorbar(image, ax=panel, label="share of information [1]", shrink=0.8)
     return figure
 
 
@@ -245,7 +240,7 @@ TIME_SERIES_MAX_TESTS = 4
 
 def motions_figure(tests: CaptiveTests) -> Figure:
     """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces)."""
-    figure, axes = panels(5, 1, 7.6, Margins(), sharex=True)
+    figure, axes = panels(5, 1, 7.6, sharex=True)
     timed = "t" in tests.columns and len(tests.names) <= TIME_SERIES_MAX_TESTS
     shown = [("y", "offset y [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi)]
     shown += [(force, label, 1.0) for force, label in FORCE_LABELS.items()]

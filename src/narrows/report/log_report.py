@@ -12,7 +12,7 @@ from narrows.logbook.ship_log import ShipLog, Signal
 from narrows.report.fit_page import figure, write_page
 from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.printed_tables import print_result, table_of
-from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, legend_below, panels
 
 # Margin around measured values, relative to their extent.
 ROOM_ACROSS = 0.6
@@ -69,7 +69,7 @@ BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the othe
 def log_fit_figure(fit: LogFit) -> Figure:
     known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.std_ratio)[:MOST_ROWS]
     height = max(2.8, 0.9 + 0.2 * len(known))
-    figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
+    figure, axes = panels(1, 2, height)
     left, right = axes[0]
     left.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
     left.axvline(0, color=BLACK, lw=0.6)
@@ -85,13 +85,13 @@ def log_fit_figure(fit: LogFit) -> Figure:
     right.set_yticks(places, names, fontsize=7)
     right.set(xlabel="heading error over 3.5 lengths [deg]")
     right.set_xlim(left=0)
-    figure.legend(*right.get_legend_handles_labels(), loc="lower right", ncols=2, frameon=False, fontsize=7)
+    legend_below(figure, right.get_legend_handles_labels()[0], 2)
     return figure
 
 
 def forecast_figure(record: RecordAnswer) -> Figure:
     """Draw rudder, yaw rate, heading and offset of a record with predictions every 3.5 ship lengths."""
-    figure, axes = panels(4, 1, 6.0, Margins(left=0.75, bottom=0.7, top=0.25, down=0.12))
+    figure, axes = panels(4, 1, 6.0)
     assert record.forecasts is not None
     rows = (("r", 5, 180 / np.pi, "yaw rate [deg/s]"), ("psi", 2, 180 / np.pi, "heading [deg]"), ("y", 1, 1.0, "y [m]"))
     axes[0, 0].plot(record.forecasts[1].t, np.degrees(record.forecasts[1].rudder), color=BLACK, lw=0.8)
@@ -113,7 +113,7 @@ def forecast_figure(record: RecordAnswer) -> Figure:
         panel.set_xlim(record.forecasts[1].t[0], record.forecasts[1].t[-1])
         panel.tick_params(labelbottom=panel is axes[-1, 0])
     axes[-1, 0].set_xlabel("time [s]")
-    figure.legend(*axes[-1, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
+    legend_below(figure, axes[-1, 0].get_legend_handles_labels()[0])
     return figure
 
 

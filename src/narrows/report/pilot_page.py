@@ -23,7 +23,7 @@ from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure, write_page
 from narrows.report.fit_page import figure as captioned
 from narrows.report.printed_tables import print_result, table_of
-from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
+from narrows.report.style import BLACK, BLUE, GREY, ORANGE, legend_below, panels
 
 # Distance off its line at which a leg is broken off [beams].
 STRAYED = 0.25
@@ -132,7 +132,7 @@ SAMPLES, BAND = 200, (0.05, 0.5, 0.95)
 def steady_figure(fit: SteadyFit) -> Figure:
     banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
     wide = {"gridspec_kw": {"width_ratios": (2.2, *(1.0 for _ in banks))}}
-    figure, axes = panels(1, 1 + len(banks), 3.6, Margins(bottom=0.95, top=0.25, across=0.6), "y", **wide)
+    figure, axes = panels(1, 1 + len(banks), 3.6, "y", **wide)
     _draw_rudder(axes[0, 0], fit)
     for panel, coefficient in zip(axes[0, 1:], banks, strict=True):
         for place, (value, std, colour) in enumerate(
@@ -142,7 +142,7 @@ def steady_figure(fit: SteadyFit) -> Figure:
         panel.axhline(0, color=BLACK, lw=0.6)
         panel.set(xticks=[0, 1], xlim=(-0.6, 1.6), xticklabels=["before", "after"])
         panel.set_title(f"{coefficient.name}, 95 %")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
+    legend_below(figure, axes[0, 0].get_legend_handles_labels()[0])
     return figure
 
 

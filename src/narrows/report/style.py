@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO, StringIO
 from textwrap import wrap
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from matplotlib import rc_context
@@ -39,15 +39,6 @@ class Picture(Figure):
         return memory.getvalue()
 
 
-class Margins(NamedTuple):
-    left: float = 0.75  # Margins around all panels [in]
-    right: float = 0.15  # Margins around all panels [in]
-    bottom: float = 0.5  # Margins around all panels [in]
-    top: float = 0.2  # Margins around all panels [in]
-    across: float = 0.5  # Gaps between panels [in]
-    down: float = 0.15  # Gaps between panels [in]
-
-
 _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
 
@@ -72,9 +63,7 @@ def titled(axes: Axes, sentences: Iterable[str]) -> None:
     )
 
 
-def panels(
-    rows: int, columns: int, height: float, margins: Margins | None = None, grid: str = "both", **options: Any
-) -> tuple[Figure, Any]:
+def panels(rows: int, columns: int, height: float, grid: str = "both", **options: Any) -> tuple[Figure, Any]:
     """Make a figure of the page's width and its axes, (rows, columns), with a grid for values of x, y, both or none."""
     if given := given_axes():
         if rows * columns > 1:
@@ -82,19 +71,15 @@ def panels(
         figure, axes = given[0], np.array([[given[1]]])
     else:
         with rc_context(FONT):
-            figure = Picture(figsize=(WIDTH, height), layout=None if margins else "constrained")
+            figure = Picture(figsize=(WIDTH, height), layout="constrained")
             axes = figure.subplots(rows, columns, squeeze=False, **options)
     for panel in axes.flat if grid else ():
         panel.grid(alpha=0.3, axis=grid)
-    if margins and not given:
-        left, right, bottom, top, across, down = margins
-        wide, high = WIDTH - left - right, height - bottom - top
-        figure.subplots_adjust(
-            left / WIDTH, bottom / height, 1 - right / WIDTH, 1 - top / height,
-            wspace=across / ((wide - (columns - 1) * across) / columns),
-            hspace=down / ((high - (rows - 1) * down) / rows),
-        )  # fmt: skip
     return figure, axes
+
+
+def legend_below(figure: Figure, handles: Iterable[Any], columns: int = 3) -> None:
+    figure.legend(handles=[*handles], loc="outside lower center", ncols=columns, frameon=False, fontsize=7)
 
 
 def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:

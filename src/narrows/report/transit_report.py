@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from narrows.report.fit_page import figure, write_page
-from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, legend_below, panels
 from narrows.ship.particulars import half_swept
 from narrows.warning.alerts.alert import Priority
 from narrows.warning.monitoring.watched_transit import WatchedTransit
@@ -50,7 +50,7 @@ BANK_POINTS = 400  # Points of each drawn bank
 
 
 def transit_figure(transit: WatchedTransit) -> Figure:
-    figure, axes = panels(4, 1, 6.6, Margins(bottom=0.85, top=0.2, down=0.18), sharex=True)
+    figure, axes = panels(4, 1, 6.6, sharex=True)
     columns, t = transit.columns, transit.columns["t"]
     curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
         ("water beside\nthe hull [m]", ((columns["clearance"], BLUE, "clearance"),)),
@@ -76,12 +76,12 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         panel.legend(frameon=False, fontsize=7, loc="best")
     axes[0, 0].axhline(NEAR_MISS, color=BLACK, lw=0.7, ls="--")
     axes[-1, 0].set_xlabel("time since the watch began [s]")
-    figure.legend(handles=_patches(0.35), loc="lower center", ncols=4, frameon=False, fontsize=7)
+    legend_below(figure, _patches(0.35), 4)
     return figure
 
 
 def transit_track_figure(transit: WatchedTransit) -> Figure:
-    figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
+    figure, axes = panels(1, 1, 2.6)
     panel: Axes = axes[0, 0]
     columns, ship = transit.columns, transit.ship
     x, y, reach = columns["x"], columns["y"], half_swept(ship, columns["psi"])
@@ -99,7 +99,7 @@ def transit_track_figure(transit: WatchedTransit) -> Figure:
     panel.set_title("from above, starboard down; not to scale")
     swept = Patch(facecolor=GREY, alpha=0.5, label="hull, no alert")
     lines = panel.get_legend_handles_labels()[0]
-    figure.legend(handles=[*lines, swept, *_patches(0.5)], loc="lower center", ncols=4, frameon=False, fontsize=7)
+    legend_below(figure, [*lines, swept, *_patches(0.5)], 4)
     return figure
 
 

@@ -1,8 +1,8 @@
 """Propeller, rudder, steering gear, and the actuators that they form."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable, Iterable
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -14,21 +14,29 @@ from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Numb
 from narrows.ship.checks import check_fields
 
 
+def number_in(unit: str, meaning: str, default: Any = MISSING) -> Any:
+    """Return a field of a section: a number with its unit and meaning."""
+    return field(default=default, metadata={"quantity": Quantity(unit, meaning)})
+
+
 @dataclass(frozen=True)
 class Part(Aliased):
-    """A section of a ship file for an actuator; subclasses are frozen dataclasses of its numbers."""
+    """A section of a ship file for an actuator; subclasses are frozen dataclasses of numbers (``number_in``)."""
 
     # Name of the section, and prefix of the names of its numbers.
     SECTION: ClassVar[str] = ""
     # Name of the actuator's position; a number of that name is its position unless it is moved.
     POSITION: ClassVar[str] = ""
-    # Unit and meaning of each number.
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {}
     # True if terms may use its numbers.
     ASKED: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_fields(self, {entry.name: self.known_as(entry.name) for entry in fields(self)}, self.SECTION)
+
+    @classmethod
+    def numbers(cls) -> dict[str, Quantity]:
+        """Return the unit and meaning of each number."""
+        return {entry.name: entry.metadata["quantity"] for entry in fields(cls)}
 
     @classmethod
     def known_as(cls, number: str) -> str:
@@ -43,7 +51,7 @@ class Part(Aliased):
         """Return the section at another size: each number scales by the dimension of its unit."""
         changed: dict[str, Any] = {
             name: getattr(self, name) * factor(dimension)
-            for name, quantity in self.NUMBERS.items()
+            for name, quantity in self.numbers().items()
             if (dimension := dimension_of(quantity.unit)) != Dimension()
         }
         return replace(self, **changed)
@@ -84,35 +92,20 @@ class Propeller(Part):
 
     SECTION: ClassVar[str] = "propeller"
     POSITION: ClassVar[str] = "revolutions"
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {
-        "diameter": Quantity("m", "propeller diameter D_P"),
-        "revolutions": Quantity("1/s", "propeller revolutions n"),
-        "wake": Quantity("1", "wake fraction at the propeller straight ahead w_P0"),
-        "thrust_0": Quantity("1", "K_T at no advance k_0"),
-        "thrust_1": Quantity("1", "slope of K_T by the advance k_1"),
-        "thrust_2": Quantity("1", "curvature of K_T by the advance k_2"),
-        "position": Quantity("1", "propeller forward of midship over L, x_P'"),
-        "wake_rate": Quantity("1", "rate of the wake's decrease in a turn C_1"),
-        "wake_starboard": Quantity("1", "inflow turning to starboard over inflow straight C_2"),
-        "wake_port": Quantity("1", "inflow turning to port over inflow straight C_2"),
-        "astern_0": Quantity("1", "K_T astern a_0"),
-        "astern_1": Quantity("1", "slope of K_T astern by the advance a_1"),
-        "astern_2": Quantity("1", "rise of K_T astern beyond an advance of 0.7 a_2"),
-    }
 
-    diameter: float
-    revolutions: float
-    wake: float
-    thrust_0: float
-    thrust_1: float
-    thrust_2: float
-    position: float = -0.5
-    wake_rate: float = 0.0
-    wake_starboard: float = 1.0
-    wake_port: float = 1.0
-    astern_0: float = 0.0
-    astern_1: float = 0.0
-    astern_2: float = 0.0
+    diameter: float = number_in("m", "propeller diameter D_P")
+    revolutions: float = number_in("1/s", "propeller revolutions n")
+    wake: float = number_in("1", "wake fraction at the propeller straight ahead w_P0")
+    thrust_0: float = number_in("1", "K_T at no advance k_0")
+    thrust_1: float = number_in("1", "slope of K_T by the advance k_1")
+    thrust_2: float = number_in("1", "curvature of K_T by the advance k_2")
+    position: float = number_in("1", "propeller forward of midship over L, x_P'", -0.5)
+    wake_rate: float = number_in("1", "rate of the wake's decrease in a turn C_1", 0.0)
+    wake_starboard: float = number_in("1", "inflow turning to starboard over inflow straight C_2", 1.0)
+    wake_port: float = number_in("1", "inflow turning to port over inflow straight C_2", 1.0)
+    astern_0: float = number_in("1", "K_T astern a_0", 0.0)
+    astern_1: float = number_in("1", "slope of K_T astern by the advance a_1", 0.0)
+    astern_2: float = number_in("1", "rise of K_T astern beyond an advance of 0.7 a_2", 0.0)
 
     @property
     def turns_astern(self) -> bool:
@@ -151,25 +144,15 @@ class Rudder(Part):
 
     SECTION: ClassVar[str] = "rudder"
     POSITION: ClassVar[str] = "rudder"
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {
-        "area": Quantity("m2", "rudder area A_R"),
-        "lift": Quantity("1", "slope of the rudder's lift f_alpha"),
-        "wake_ratio": Quantity("1", "inflow at the rudder over that at the propeller epsilon"),
-        "slipstream": Quantity("1", "acceleration of the slipstream at the rudder kappa"),
-        "in_slipstream": Quantity("1", "propeller diameter over rudder height eta"),
-        "position": Quantity("1", "effective place of the rudder over L, l_R'"),
-        "straightening_starboard": Quantity("1", "flow straightening in a turn to starboard gamma_R"),
-        "straightening_port": Quantity("1", "flow straightening in a turn to port gamma_R"),
-    }
 
-    area: float
-    lift: float
-    wake_ratio: float
-    slipstream: float
-    in_slipstream: float
-    position: float
-    straightening_starboard: float
-    straightening_port: float
+    area: float = number_in("m2", "rudder area A_R")
+    lift: float = number_in("1", "slope of the rudder's lift f_alpha")
+    wake_ratio: float = number_in("1", "inflow at the rudder over that at the propeller epsilon")
+    slipstream: float = number_in("1", "acceleration of the slipstream at the rudder kappa")
+    in_slipstream: float = number_in("1", "propeller diameter over rudder height eta")
+    position: float = number_in("1", "effective place of the rudder over L, l_R'")
+    straightening_starboard: float = number_in("1", "flow straightening in a turn to starboard gamma_R")
+    straightening_port: float = number_in("1", "flow straightening in a turn to port gamma_R")
 
 
 @dataclass(frozen=True)
@@ -209,22 +192,14 @@ class SteeringGear(Part):
 
     SECTION: ClassVar[str] = "steering"
     POSITION: ClassVar[str] = "rudder"
-    NUMBERS: ClassVar[Mapping[str, Quantity]] = {
-        "limit_deg": Quantity("deg", "largest rudder angle"),
-        "rate_deg": Quantity("deg/s", "rate of the rudder"),
-        "dead_time": Quantity("s", "from an order to the first motion of the rudder"),
-        "lag": Quantity("s", "time constant of the steering gear"),
-        "dead_band_deg": Quantity("deg", "difference of order and rudder that moves nothing"),
-        "pumps": Quantity("1", "pumps that run"),
-    }
     ASKED: ClassVar[bool] = False
 
-    limit_deg: float = 35.0
-    rate_deg: float = 65 / 28
-    dead_time: float = 0.0
-    lag: float = 0.0
-    dead_band_deg: float = 0.0
-    pumps: int = 2
+    limit_deg: float = number_in("deg", "largest rudder angle", 35.0)
+    rate_deg: float = number_in("deg/s", "rate of the rudder", 65 / 28)
+    dead_time: float = number_in("s", "from an order to the first motion of the rudder", 0.0)
+    lag: float = number_in("s", "time constant of the steering gear", 0.0)
+    dead_band_deg: float = number_in("deg", "difference of order and rudder that moves nothing", 0.0)
+    pumps: int = number_in("1", "pumps that run", 2)
 
     @classmethod
     def known_as(cls, number: str) -> str:
@@ -297,7 +272,7 @@ class Actuator:
             part.known_as(number): quantity
             for part in self.parts
             if part.ASKED
-            for number, quantity in part.NUMBERS.items()
+            for number, quantity in part.numbers().items()
             if number != self.name
         }
 
@@ -343,7 +318,7 @@ def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
         part.known_as(number): f"[{part.SECTION}] {number}"
         for actuator in actuators
         for part in actuator.parts
-        for number in part.NUMBERS
+        for number in part.numbers()
     }
 
 

@@ -37,17 +37,9 @@ class Rule(NamedTuple):
     sentence: str  # Message of a broken rule, with the places and values of the particulars
 
 
-def _positive(name: str) -> tuple[Rule, Rule]:
-    tiny = f"{{{name}}} is beyond all measure; check its unit"
-    return (
-        Rule((name,), lambda value: value > 0, f"{{{name}}} must be positive, in SI units"),
-        Rule((name,), lambda value: value > SMALLEST, tiny),
-    )
-
-
 # Every rule in addition to finiteness.
 RULES = (
-    *(rule for name in POSITIVE for rule in _positive(name)),
+    *(Rule((name,), lambda value: value > SMALLEST, f"{{{name}}} must be positive, in SI units") for name in POSITIVE),
     Rule(
         ("revolutions", *ASTERN),
         lambda value, *astern: (value >= 0) | (sum(map(abs, astern)) > 0),
