@@ -211,6 +211,21 @@ def test_each_mode_has_points_by_its_share_and_at_least_a_fifth() -> None:
     assert mixture.weights @ mixture.points[:, 0] == pytest.approx((-1 + 3 * np.exp(-6)) / (1 + np.exp(-6)), abs=0.03)
 
 
+def test_modes_of_unequal_width_count_by_their_areas() -> None:
+    """Hills of areas 1 and 0.3 x 0.4 at -1 and 3: the mean by hand."""
+
+    class Hills(Density):
+        def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
+            logs = -0.5 * (z[0] + 1) ** 2, np.log(0.3) - 0.5 * ((z[0] - 3) / 0.4) ** 2
+            return Conditional(float(np.logaddexp(*logs)), z, np.eye(1), z)
+
+    one = SplitNormal(np.array([-1.0]), np.eye(1), np.ones((2, 1)), 0.0)
+    other = SplitNormal(np.array([3.0]), 0.2 * np.eye(1), np.full((2, 1), 2.0), float(np.log(0.3)))
+    hills = Hills(np.eye(1), np.ones(1), np.zeros(1))
+    mixture, _ = _sample_modes(hills, [one, other], 1024, {})  # type: ignore[arg-type]
+    assert mixture.weights @ mixture.points[:, 0] == pytest.approx((-1 + 3 * 0.12) / 1.12, abs=0.02)
+
+
 @pytest.mark.parametrize(("apart", "lower", "kept"), [(0.9, 0.0, 1), (1.1, 0.0, 2), (1.1, 7.9, 2), (1.1, 8.1, 1)])
 def test_modes_are_one_apart_and_within_8_of_the_best(apart: float, lower: float, kept: int) -> None:
     other = np.array([0.3, 0.0]) + np.array([0.0, apart])

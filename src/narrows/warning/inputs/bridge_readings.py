@@ -89,8 +89,9 @@ class BridgeReadings:
             return {}
         where = projected(np.array([[values["longitude"], values["latitude"]]]), self._origin)
         s, n, along = (float(number[0]) for number in self.waterway.line.placed(where))
-        length, reach = self.waterway.line.length, float(self.waterway.section(s).width) + WATERWAY_REACH
-        if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and abs(n) < reach):
+        length, here = self.waterway.line.length, self.waterway.section(s)
+        beyond = abs(n - float(here.middle)) - float(here.width) / 2
+        if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and beyond < WATERWAY_REACH):
             self._off += 1
             return {}
         self._along, self._s = along, s
