@@ -312,6 +312,7 @@ def test_a_model_without_scales_is_one_normal_density() -> None:
     )  # fmt: skip
     found = integrate(model)
     assert found.weights.tolist() == [1.0]
+    assert found.points.shape == (1, 0)
     np.testing.assert_allclose(found.means, [[3.0]], rtol=1e-5)
     np.testing.assert_allclose(found.covariances, [[[0.5 / 3]]], rtol=1e-5)
 

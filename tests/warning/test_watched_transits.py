@@ -14,6 +14,7 @@ import narrows as nw
 from narrows.cli.watching import end_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
 from narrows.warning.alerts.alert import logged
+from narrows.warning.inputs.bridge_readings import BridgeReadings
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.demonstration import demonstration
 from narrows.warning.monitoring.watched_transit import (
@@ -121,6 +122,51 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
     assert [one.t for one in again] == sorted({float(round(one.t)) for one in told})
     assert sorted(repr(one.message) for one in again[5].entries) == sorted(repr(one.message) for one in told[5].entries)
     assert again[-1].faults == {}
+
+
+def test_the_demonstration_is_a_mistake_in_a_canal_that_bends() -> None:
+    """230 m of ship, 368 m of canal, a rudder at 27 degrees from 40 s to 120 s, and a pilot before and after."""
+    shown = demonstration()
+    way, voyage = shown.waterway, shown.voyage
+    assert shown.model.configuration.ship.length == pytest.approx(230.0)
+    here = way.section(np.array([100.0, 5000.0]))
+    np.testing.assert_allclose(here.width, 368.0)
+    np.testing.assert_allclose(here.depth, 16.2)
+    assert way.line.length == pytest.approx(6000.0, abs=21.0)
+    np.testing.assert_allclose(
+        way.line.curvature(np.array([500.0, 2400.0, 2600.0, 5500.0])), [0, 0, 2e-4, 2e-4], atol=2e-6
+    )
+    assert (voyage.x[0], voyage.y[0], voyage.u[0]) == (300.0, 30.0, 4.2)
+    np.testing.assert_allclose(np.diff(voyage.t)[:-1], 1.0)
+    assert voyage.outcome.kind == "grounded"
+    assert 140.0 < voyage.t[-1] < 175.0
+    held = voyage.t < 40.0
+    assert np.abs(voyage.y[held] - 30.0).max() < 2.0
+    assert np.abs(voyage.rudder[held]).max() < np.radians(10.0)
+    np.testing.assert_allclose(voyage.rudder[(voyage.t > 60.0) & (voyage.t < 120.0)], np.radians(27.0), atol=1e-6)
+    assert voyage.rudder[(voyage.t > 135.0)].min() < np.radians(10.0)
+
+
+def test_the_sensors_of_the_demonstration_scatter_about_its_voyage() -> None:
+    """Standard deviations as stated: 1 m, 0.2 degrees, 0.03 degrees a second, 0.05 m/s, and no mean error."""
+    shown = demonstration()
+    readings, voyage = BridgeReadings(shown.waterway), shown.voyage
+    told = [readings.convert(tick).readings for tick in shown.ticks()]
+    speed, course = np.hypot(voyage.u, voyage.v), voyage.psi + np.arctan2(voyage.v, voyage.u)
+    sensors = {
+        "x": ([one["gnss"][0] for one in told], voyage.x, 1.0),
+        "y": ([one["gnss"][1] for one in told], voyage.y, 1.0),
+        "heading": ([one["gyro"] for one in told], voyage.psi, np.radians(0.2)),
+        "yaw rate": ([one["rate_of_turn"] for one in told], voyage.r, np.radians(0.03)),
+        "log": ([one["log"] for one in told], voyage.u, 0.05),
+        "rudder": ([one["rudder"] for one in told], voyage.rudder, np.radians(0.2)),
+        "course": ([one["course"][0] for one in told], course, 0.01),
+        "speed": ([one["course"][1] for one in told], speed, 0.05),
+    }
+    for name, (measured, truth, sigma) in sensors.items():
+        off = np.array(measured) - truth
+        assert off.std() == pytest.approx(sigma, rel=0.2), name
+        assert abs(off.mean()) < 4 * sigma / np.sqrt(len(off)), name
 
 
 def test_a_recording_of_nothing_is_no_watch(tmp_path: Path, cli) -> None:

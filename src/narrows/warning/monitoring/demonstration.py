@@ -62,7 +62,7 @@ class Demonstration:
 
 
 def demonstration() -> Demonstration:
-    """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
+    """Return the demonstration: a 230 m container ship in a canal 368 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
     voyage = simulate(
         model, x=300.0, y=LINE, u=SPEED, controller=RudderSchedule([(t, math.radians(angle)) for t, angle in RUDDER]),
