@@ -43,7 +43,7 @@ SWAPS: dict[type, type] = {
 }  # fmt: skip
 # Functions that only word or draw a result, and arguments of caches and iterations: another number there is no error.
 WORDING = re.compile(r"summary|notes|words|describe.*|_?(plot|draw|print).*|__(repr|str)__")
-OF_NO_CLAIM = re.compile(r"maxsize|maxiter|ftol|xtol|rtol|atol|figsize|dpi|digits")
+OF_NO_CLAIM = re.compile(r"maxsize|maxiter|ftol|xtol|rtol|atol|figsize|dpi|digits|seed")
 # Constants that bound memory, waiting and rounding: twice the number is as good.
 BOUNDS = re.compile(
     r"MOST_\w+|LONGEST_\w+|SAME\w*|\w+_(QUEUE|TIMEOUT|INTERVAL|PAUSE|RETRY|TOLERANCE)|\w*BLOCK|STEPS\w*"
@@ -95,13 +95,22 @@ def is_left_out(node: ast.AST) -> bool:
     return False
 
 
+def is_reshape(node: ast.AST) -> bool:
+    """Whether a node is a call of ``reshape``, for which every negative size is the one that follows from the others."""
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "reshape"
+
+
 def places(node: ast.AST) -> Iterator[tuple[ast.AST, str, int]]:
     """Each node that can be changed, as its parent, the field and the index in it (-1: the field itself)."""
     for field, value in ast.iter_fields(node):
         if field in ("annotation", "returns", "decorator_list"):
             continue
         for index, child in enumerate(value if isinstance(value, list) else [value]):
-            if not isinstance(child, ast.AST) or is_left_out(child):
+            if (
+                not isinstance(child, ast.AST)
+                or is_left_out(child)
+                or (is_reshape(node) and isinstance(child, ast.UnaryOp))
+            ):
                 continue
             # A bare index is a name of a place and no arithmetic.
             named = isinstance(node, ast.Subscript) and isinstance(child, ast.Constant)
@@ -161,6 +170,16 @@ def assigned_at(mutation: Mutation) -> list[str]:
     return []
 
 
+def tests_naming(word: re.Pattern[str]) -> Iterator[str]:
+    """The tests in whose text a name stands: they may run no line that has it."""
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        if word.search(text := path.read_text("utf-8")):
+            for node in ast.parse(text).body:
+                named = isinstance(node, ast.FunctionDef) and node.name.startswith("test_")
+                if named and word.search(ast.get_source_segment(text, node) or ""):
+                    yield f"{path.relative_to(ROOT).as_posix()}::{node.name}"
+
+
 class Coverage:
     """The tests that ran each line of the package, with their times."""
 
@@ -176,14 +195,16 @@ class Coverage:
     def tests_of(self, mutation: Mutation) -> list[str]:
         """Tests of the mutated lines, the quickest first.
 
-        Where those run at import: of the lines that have the assigned name, else of the file. Where they are compiled:
-        of the files that import it.
+        Where those run at import: of the lines that have the assigned name, and those that name it, else of the file.
+        Where they are compiled: of the files that import it.
         """
         by_line, names = self._tests(mutation.path), assigned_at(mutation)
         here = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
         if not here and names:
             word = re.compile(rf"\b({'|'.join(names)})\b")
-            here = {test for path in map(Path, self.files) for test in self._tests_with(word, path)}
+            here = {test for path in map(Path, self.files) for test in self._tests_with(word, path)} | set(
+                tests_naming(word)
+            )
         here = here or {test for tests in by_line.values() for test in tests}
         if not here:
             named = re.compile(rf"import .*\b{mutation.path.stem}\b|\.{mutation.path.stem} import")

@@ -56,3 +56,26 @@ def test_a_record_that_tells_nothing_leaves_all_open(prior_std: float, std: floa
     told = LearnedCoefficient("c_bank", "1", 1.0, prior_std, 1.0, std, True)
     assert told.likelihood_interval == (-math.inf, math.inf)
     assert told.verdict == PRIOR
+
+
+@pytest.mark.parametrize(
+    ("ratio", "status"), [(0.49, LEARNED), (0.51, SHARPENED), (0.89, SHARPENED), (0.91, PRIOR), (1.2, PRIOR)]
+)
+def test_a_verdict_is_by_the_share_of_the_standard_error_that_is_left(ratio: float, status: str) -> None:
+    """Half of it is three quarters of the information, nine tenths a fifth: 1 - 0.25 and 1 - 0.81."""
+    found = LearnedCoefficient("b_v", "1", 9.0, 0.5, 9.0, 0.5 * ratio, False)
+    assert (found.status, found.std_ratio) == (status, pytest.approx(ratio))
+    assert found.interval == pytest.approx((9.0 - WIDE * 0.5 * ratio, 9.0 + WIDE * 0.5 * ratio))
+
+
+@pytest.mark.parametrize(("value", "unresolved"), [(0.19, True), (0.2, False), (-0.19, True), (-0.2, False)])
+def test_an_interval_that_holds_zero_is_unresolved(value: float, unresolved: bool) -> None:
+    """1.96 standard errors of 0.1."""
+    found = LearnedCoefficient("c_bank", "1", value, 0.18, value, 0.1, True)
+    assert found.unresolved is unresolved
+    assert found.verdict == ("sharpened, unresolved" if unresolved else "sharpened")
+
+
+def test_what_was_held_is_as_it_was() -> None:
+    held = LearnedCoefficient("b_v", "1", 2.0, 0.0, 2.0, 0.0, False)
+    assert (held.std_ratio, held.interval, held.status) == (1.0, (2.0, 2.0), PRIOR)

@@ -55,3 +55,23 @@ def test_its_table_has_a_row_for_each_time_and_says_what_was_not_measured() -> N
 
 def test_it_is_drawn() -> None:
     assert len(nw.ShipLog((record("A"),)).plot().axes) == 6
+
+
+def test_signals_and_records_by_hand() -> None:
+    signal = nw.Signal(np.array([0.0, 1.0, 3.0, 4.0]), np.array([0.0, 2.0, 4.0, 10.0]))
+    assert signal.step == 1.0
+    assert nw.Signal(np.zeros(1), np.zeros(1)).step == np.inf
+    assert signal.between(1.0, 3.0).values.tolist() == [2.0, 4.0]
+    gaps = signal.at(np.array([0.5, 2.0, 3.5, 4.0, 4.5]), longest=1.5)
+    assert gaps.tolist() == pytest.approx([1.0, np.nan, 7.0, 10.0, np.nan], nan_ok=True)
+    assert np.isnan(nw.Signal(np.zeros(0), np.zeros(0)).at(np.zeros(2))).all()
+    one = nw.ShipRecord("A", {"x": signal, "y": nw.Signal(np.array([2.0, 9.0]), np.zeros(2))})
+    assert (one.start, one.stop, one.duration) == (0.0, 9.0, 9.0)
+    assert np.isnan(nw.ShipRecord("A", {}).duration)
+    log = nw.ShipLog((one, nw.ShipRecord("B", {"x": nw.Signal(np.array([0.0, 3591.0]), np.zeros(2))})))
+    assert log.summary() == "2 records, 1 h together, with x, y."
+    assert log[-2] is one
+    with pytest.raises(nw.InputError, match="no record -3: they count from 0 to 1"):
+        log[-3]
+    table = nw.ShipRecord("A", {"x": nw.Signal(np.array([1.0, 0.0, 1.0]), np.array([5.0, 4.0, 6.0]))}).to_dataframe()
+    assert table["x"].to_dict() == {0.0: 4.0, 1.0: 5.0}
