@@ -96,7 +96,7 @@ def is_left_out(node: ast.AST) -> bool:
 
 
 def is_reshape(node: ast.AST) -> bool:
-    """Whether a node is a call of ``reshape``, for which every negative size is the one that follows from the others."""
+    """Whether a node calls ``reshape``, for which every negative size is the one that follows from the others."""
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == "reshape"
 
 
