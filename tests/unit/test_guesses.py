@@ -555,3 +555,69 @@ def test_verbs_show_a_model_and_its_zigzags_under_other_names(cli: Callable[...,
     code, out, err = cli("zigzag", "yasukawa2015_kvlcc2", "--speed", 1.179, "--zigzags", "10/10")
     assert code == 0, err
     assert "10/10" in out
+
+
+def test_results_by_name_are_unpacked_as_their_values() -> None:
+    forces = DTC.forces(u=1.0, y=0.5)
+    X, Y, N = forces
+    assert [X, Y, N] == [forces["X"], forces["Y"], forces["N"]] == [*np.array(forces)]
+    first, *rest = forces
+    assert [first, *rest] == [X, Y, N]
+    assert [*forces] == [name for name in forces] == ["X", "Y", "N"] != sorted(forces)  # noqa: C416
+    assert dict(forces) == dict(**forces) == {"X": X, "Y": Y, "N": N}
+    assert "X" in forces
+    Y, N = nw.bank_force(DTC, y=0.5, u=1.0)
+    assert [Y, N] == pytest.approx([forces["Y"], forces["N"]])
+
+
+def test_coefficients_do_not_change_in_place() -> None:
+    for of in (DTC, fit()):
+        for change in (
+            lambda own: own.update(b_bank=1.0),
+            lambda own: own.__setitem__("b_bank", 1.0),
+            lambda own: setattr(own, "b_bank", 1.0),
+        ):
+            with pytest.raises(nw.InputError, match=r"write model.with_coefficients\("):
+                change(of.coefficients)
+        assert pickle.loads(pickle.dumps(of.coefficients)) == copy.deepcopy(of.coefficients) == of.coefficients
+        assert [*of] == [*of.coefficients] == [*dict(of)]
+        assert "b_bank" in of
+        assert "bank" not in of
+
+
+def test_a_result_equals_the_word_for_it() -> None:
+    assert voyage().outcome == "grounded" != "afloat"
+    assert voyage().outcome == copy.deepcopy(voyage().outcome) != 1
+    assert fit().verdicts["b_bank"] == fit().verdicts["b_bank"].status != "unknown"
+    fleet = nw.ensemble(DTC, y=[0.1, 0.5])
+    assert (fleet.outcome == "grounded").values.tolist() == fleet.grounded.values.tolist() == [True, True]
+    assert not (fleet["outcome"] != "grounded").any()
+    assert (fleet.outcome == fleet.outcome).all()
+    with pytest.raises(nw.InputError, match="choose not run or afloat or grounded"):
+        fleet.outcome == "sunk"  # noqa: B015
+
+
+def test_columns_have_their_other_names_in_brackets() -> None:
+    assert voyage()["heading"] is voyage().psi
+    assert TESTS()["yaw_moment"] is TESTS()["N"]
+    assert [*TESTS()[["v", "N"]].columns] == [*voyage()[["v", "r"]].columns[:1], "N"]
+
+
+@pytest.mark.parametrize(
+    ("ask", "told"),
+    [
+        ("nw.predict", r"write .predict of a Model or Fit"),
+        ("nw.control.damp", "write .damp of a LinearSystem"),
+        ("nw.control.zigzag", "write nw.zigzag"),
+        ("nw.export.save_model", "write nw.save_model"),
+        ("model.froude_number", "write choke_speed"),
+        ("model.residual_plot", r"write plot\(\)"),
+        ("model.pivot_table", r"write to_dataframe\(\).pivot_table"),
+        ("model.forces(4.0)", "give quantities by name"),
+        ("model[0]", "unknown coefficient 0"),
+        ("nw.simulate(model, nu0=1.0, T=20)", "has no argument 'nu0'"),
+    ],
+)
+def test_what_is_elsewhere_is_named(ask: str, told: str) -> None:
+    with pytest.raises((AttributeError, nw.InputError), match=told):
+        eval(ask, {"nw": nw, "model": DTC})

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Callable, Iterable
 from functools import cache, wraps
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -33,17 +34,35 @@ def name_here(name: str, kind: str, fits: Callable[[str], bool] = lambda ours: T
 
 def part_named(name: str, room: str, parts: Iterable[str]) -> Any:
     """Return a part of a subpackage by another library's name; raise if there is none."""
+    import narrows
+
     if same := name_here(name, "parts", frozenset(parts).__contains__):
-        return getattr(import_module(f"narrows.{room}"), same)
-    meant = name_here(name, room)
+        return getattr(getattr(narrows, room), same)
+    meant = name_here(name, room) or (hasattr(narrows, name) and f"nw.{name}") or _instead_of(name)
     raise AttributeError(f"nw.{room} has no {name!r}" + (f"; write {meant}" if meant else near_miss(name, parts)))
 
 
 def public_name(name: str, known: Iterable[str]) -> str:
     """Return what to write instead of an unknown public name, as the end of a sentence."""
     longer = [word for word in sorted(known) if len(name) > 2 and name.lower() in word.lower()]
-    meant = name_here(name, "other_functions") or " or ".join(longer)
+    meant = _instead_of(name) or " or ".join(longer)
     return f"; write {meant}" if meant else near_miss(name, known, cutoff=0.75)
+
+
+def _instead_of(name: str) -> str:
+    """Return what to write instead of a name, or which results have it: ``.predict of a Fit``."""
+    import narrows
+
+    if meant := name_here(name, "other_functions"):
+        return meant
+    found = []
+    for kind in () if name.startswith("_") else aliases("first"):
+        made = attrgetter(kind)(narrows)
+        parts = {*dir(made), *getattr(made, "__dataclass_fields__", ())}
+        rows = [ours for ours, theirs in aliases("attributes").items() if name in theirs or f"{name}()" in theirs]
+        if name in parts or any(re.split(r"[(.]", row)[0] in parts for row in rows):
+            found.append(kind.rpartition(".")[2])
+    return f".{name} of a {' or '.join(found[:3])}" if found else ""
 
 
 def accept_aliases(function: Function) -> Function:
@@ -81,7 +100,7 @@ class Arguments:
 
     def renamed(self, given: dict[str, Any]) -> dict[str, Any]:
         """Return named arguments by the names here; raise where a name is answered with what to write."""
-        for name in given.keys() - self.parameters.keys():
+        for name in [name for name in given if name not in self.parameters]:
             if self.more and name in aliases("arguments"):
                 continue
             ours = self._name_here(name)

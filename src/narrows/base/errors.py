@@ -41,7 +41,7 @@ class InputError(ValueError):
 
 def near_miss(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return ``'; did you mean X?'`` for a near miss, else nothing."""
-    known = sorted(known)
+    word, known = str(word), sorted(known)
     same = [candidate for candidate in known if candidate.lower() == word.lower()]
     longer = [candidate for candidate in known if len(word) > 2 and word.lower() in candidate.lower()]
     near = same or longer[: len(longer) == 1] or get_close_matches(word, known, n=1, cutoff=cutoff)

@@ -4,7 +4,9 @@ import ast
 import builtins
 import math
 import re
+import sys
 from collections.abc import Collection, Iterator
+from dis import opname
 from functools import cache, partial
 from html import escape
 from inspect import isfunction, signature
@@ -16,7 +18,7 @@ import numpy as np
 
 import narrows
 from narrows.base.aliases import aliases, name_here, unit_of
-from narrows.base.errors import did_you_mean
+from narrows.base.errors import InputError, did_you_mean
 from narrows.base.files import write_whole
 from narrows.base.saving import FORMS, csv_of, forms_of, to_json, write
 
@@ -104,6 +106,12 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         return object.__getattribute__(thing, name)
     heads = {*known, "nw", type(thing).__name__.lower()}
     remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in heads)
+    if not remedy and "plot" in name and "plot" in known:
+        remedy = "plot()"
+    if not remedy and "to_dataframe" in known and table_has(name):
+        remedy = f"to_dataframe().{name}"
+    if not remedy and type(thing).__name__ in aliases("first"):
+        remedy = name_here(name, "other_functions")
     if "coefficients" in known and name in thing.coefficients:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
@@ -141,7 +149,16 @@ class Aliased(metaclass=Answering):
 class Named(dict[str, Any]):
     """Values by name, which are attributes too; otherwise it answers as a pandas Series."""
 
+    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
+        return np.array([*self.values()], dtype)
+
     if not TYPE_CHECKING:
+
+        def __iter__(self) -> Iterator[Any]:
+            # ``X, Y, N = forces`` means the values; a dict would assign its keys without a word.
+            caller = sys._getframe(1)
+            is_unpacking = opname[caller.f_code.co_code[caller.f_lasti]] in ("UNPACK_SEQUENCE", "UNPACK_EX")
+            return iter(self.values() if is_unpacking else self.keys())
 
         def __getattr__(self, name: str) -> Any:
             if name in self:
@@ -153,6 +170,25 @@ class Named(dict[str, Any]):
             if name.startswith("_") or not hasattr(pd.Series, name):
                 raise AttributeError(f"there is no {name!r} here{did_you_mean(name, self)}")
             return getattr(pd.Series(self), name)
+
+
+class Coefficients(Named):
+    """Values of a model, which do not change in place: its verdicts and covariance would not follow."""
+
+    def _refuse(self, *values: Any, **given: Any) -> Any:
+        raise InputError("coefficients do not change in place; write model.with_coefficients(...), a copy")
+
+    __setitem__ = __delitem__ = __setattr__ = __delattr__ = __ior__ = _refuse
+    update = pop = popitem = setdefault = clear = _refuse
+
+    def __reduce__(self) -> Any:
+        return type(self), (dict(self),)
+
+
+def equal_to(word: str) -> Any:
+    """Return an ``__eq__`` by content, or of the attribute ``word`` with a text."""
+    by_content: Any = lambda one, other: type(one) is type(other) and vars(one) == vars(other)  # noqa: E731
+    return lambda one, other: getattr(one, word) == other if isinstance(other, str) else by_content(one, other)
 
 
 class BaseSummary(Aliased):

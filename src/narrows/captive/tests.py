@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
-from narrows.base.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases, name_here
 from narrows.base.errors import InputError, check_choice, did_you_mean, reason, shown
 from narrows.base.results import Tabulated, same_content
 from narrows.model.sections import Source
@@ -148,12 +148,16 @@ class CaptiveTests(Configured, Tabulated):
         raise TypeError("tests are several tables; take their rows by tests.to_dataframe(), a column by tests['y']")
 
     def __getitem__(self, key: Any) -> Any:
-        """Return a column by its name, a test by its name or number, several by a slice, or the rows of a mask."""
+        """Return a column by name, a table of several, a test by name or number, a slice of tests, or masked rows."""
         if isinstance(key, int | np.integer | slice) and not isinstance(key, bool):
             chosen = np.arange(len(self.names))[key]
             return self.where(np.isin(np.arange(len(self.names)), chosen))
+        if isinstance(key, list) and key and {*map(str, key)} <= {*self.columns, *LABELS}:
+            return self.to_dataframe()[key]
         if not isinstance(key, str):
             return self.of_rows(key)
+        if key not in self:
+            key = name_here(key, "attributes", self.columns.__contains__) or key
         if key in LABELS:
             return self.to_dataframe()[key].to_numpy() if key in self.to_dataframe() else ()
         if key in self.columns:

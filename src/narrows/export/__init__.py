@@ -7,16 +7,14 @@ import sys
 from types import ModuleType
 from typing import Any
 
-from narrows.base.aliases import name_here, public_name
+from narrows.base.aliases import part_named
 from narrows.export.exporters import EXPORTERS, LANGUAGES, to_language, write
 
 __all__ = ["EXPORTERS", "LANGUAGES", "to_language", "write"]
 
 
 def __getattr__(name: str) -> Any:
-    if (same := name_here(name, "parts")) in __all__:
-        return globals()[same]
-    raise AttributeError(f"nw.export has no {name!r}{public_name(name, __all__)}")
+    return part_named(name, "export", __all__)
 
 
 def __dir__() -> list[str]:

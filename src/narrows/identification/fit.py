@@ -1,6 +1,6 @@
 """The result of a fit; each part is computed when it is first used."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.base.results import Named, same_content
+from narrows.base.results import Coefficients, Named, same_content
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
@@ -76,6 +76,9 @@ class Fit(Prediction):
         """The value of a coefficient [SI]."""
         return self.model[name]
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.terms.names)
+
     @property
     def terms(self) -> TermTable:
         """The terms."""
@@ -84,7 +87,7 @@ class Fit(Prediction):
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
-        return Named(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
+        return Coefficients(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
 
     @cached_property
     def motions(self) -> DistinctMotions:

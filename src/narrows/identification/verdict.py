@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.base.results import interval, with_error
+from narrows.base.results import equal_to, interval, with_error
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.least_squares import RANK_TOLERANCE
@@ -120,6 +120,7 @@ class Verdict:
     # move the estimate by its standard error, or are too large to be sure that they do not
     tipping: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
+    __eq__ = equal_to("status")
 
     @property
     def determined(self) -> bool:

@@ -1,6 +1,7 @@
 """Bank suction and bow-out moment (bank cushion) in any section, with uncertainty; exported files compute the same."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
@@ -54,6 +55,10 @@ class BankForce(BaseResult):
     N_deviation: Number
     beyond: Number
     notes: tuple[str, ...]
+
+    def __iter__(self) -> Iterator[Number]:
+        """Y and N, as in ``Y, N = nw.bank_force(model, y, u)``."""
+        return iter((self.Y, self.N))
 
     @property
     def _numbers(self) -> dict[str, Number]:

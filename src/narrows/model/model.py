@@ -1,6 +1,6 @@
 """A model: a ship in a canal, a table of terms, their coefficients, and their uncertainty."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial, reduce
 from operator import add
@@ -13,7 +13,7 @@ import numpy as np
 import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
-from narrows.base.results import BaseResult, Named
+from narrows.base.results import BaseResult, Coefficients, Named
 from narrows.model.bank_forms import without_bank
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
@@ -119,6 +119,7 @@ class Model(Configured, Operations):
     verdicts: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "coefficients", Coefficients(self.coefficients))
         names = self.terms.names
         for name, value in self.coefficients.items():
             if name not in names:
@@ -148,6 +149,9 @@ class Model(Configured, Operations):
         if name not in self.coefficients:
             raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.terms.names)}")
         return self.coefficients[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.terms.names)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -241,6 +245,8 @@ class Model(Configured, Operations):
             given = {name: np.array(q) if isinstance(q, list | tuple) else q for name, q in given.items()}
             check_angles(given if rudder is None else {**given, "rudder": rudder})
             motion = Motion.at(**given) if "psi" in given else Motion(**given)
+        if not isinstance(motion, Motion):
+            raise InputError(f"motion = {shown(motion)} is no nw.Motion; give quantities by name, as u=1.0, y=0.5")
         check_ahead(revolutions, self.configuration.propeller)
         positions = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: value for name, value in positions.items() if value is not None})

@@ -11,7 +11,7 @@ import xarray as xr
 
 import narrows
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, path_of
+from narrows.base.errors import InputError, check_choice, path_of
 from narrows.base.progress import bar
 from narrows.base.results import answer
 from narrows.codegen.free_motion import OPEN, Surge
@@ -304,6 +304,10 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
                     raise
                 return answer(self, name, [str(own) for own in self.variables])
 
+    def __getitem__(self, key: Any) -> Any:
+        found = super().__getitem__(key)
+        return Flags(found) if key in ("outcome", "side") and found.dtype.kind == "i" else found
+
     def summary(self) -> str:
         """Return how many ground, on which side, and the nearest, in words."""
         return str(map_summary(self)["summary"])
@@ -316,6 +320,22 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
     def plot(self) -> "FleetPlot":
         """Draw the map: ``plot()``, or ``plot(within=500.0)`` for the probability of grounding within 500 m."""
         return FleetPlot(self)
+
+
+class Flags(xr.DataArray):  # type: ignore[misc]
+    """Codes that are compared with the words of their ``flag_meanings`` too: ``fleet.outcome == "grounded"``."""
+
+    __slots__ = ()
+
+    def __eq__(self, other: Any) -> Any:
+        if isinstance(other, str):
+            words = [word.replace("_", " ") for word in self.attrs["flag_meanings"].split()]
+            check_choice(str(self.name), other, words)
+            other = self.attrs["flag_values"][words.index(other)]
+        return super().__eq__(other)
+
+    def __ne__(self, other: Any) -> Any:
+        return ~(self == other)
 
 
 class FleetPlot:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from narrows.base.results import Aliased
+from narrows.base.results import Aliased, equal_to
 from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY, Number
@@ -68,6 +68,7 @@ class Outcome(Aliased):
     lengths: float = math.nan  #: The distance in ship lengths [1]
     clearance: float | None = None  #: Least distance to the banks, if it reached the end of a waterway [m]
     largest_rudder: float | None = None  #: Largest rudder angle to either side, likewise [rad]
+    __eq__ = equal_to("kind")
 
     @property
     def impact_speed(self) -> float:

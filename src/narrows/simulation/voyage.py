@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.base.aliases import accept_aliases
+from narrows.base.aliases import accept_aliases, name_here
 from narrows.base.errors import InputError, check_choice
 from narrows.base.results import Tabulated, same_content
 from narrows.codegen.choices import COUNTED
@@ -87,11 +87,12 @@ class Voyage(Tabulated):
     def __len__(self) -> int:
         return len(self.t)
 
-    def __getitem__(self, name: str | slice) -> Any:
-        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders; or rows, as a table."""
-        if isinstance(name, slice):
+    def __getitem__(self, name: str | slice | list[str]) -> Any:
+        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders; several as a table."""
+        if isinstance(name, slice | list):
             return self.to_dataframe()[name]
         moved = {actuator.name: column for actuator, column in self.moved.items()}
+        name = name_here(name, "attributes", {*COLUMNS, *moved}.__contains__) or name
         check_choice("column", name, (*COLUMNS, *moved))
         return moved[name] if name in moved else getattr(self, name)
 
