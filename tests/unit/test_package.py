@@ -8,7 +8,7 @@ import narrows as nw
 
 ROOT = Path(nw.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))
-AT_THE_ROOT = {"__main__", "__init__", "aliases", "errors", "files", "progress"}
+AT_THE_ROOT = {"__main__", "__init__"}
 
 
 def test_no_two_modules_have_one_stem() -> None:
