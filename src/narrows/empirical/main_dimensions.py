@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, shown
-from narrows.base.results import Named
+from narrows.base.results import Coefficients
 from narrows.empirical.calibration import (
     BANK_PRIOR,
     COEFFICIENTS,
@@ -129,7 +129,7 @@ def estimated(
     return Model(
         replace(configuration, propeller=driven, rudder=steered),
         table_named(TABLE),
-        Named(coefficients),
+        Coefficients(coefficients),
         covariance=covariance,
         data_range=DataRange(
             speed=(0.0, 0.25 * math.sqrt(GRAVITY * known.length)),  # Tests behind the formulas were no faster

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
-from narrows.base.results import Named
+from narrows.base.results import Coefficients
 from narrows.model import additions
 from narrows.model.froude import DerivedModel
 from narrows.model.model import Model
@@ -84,7 +84,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     moved = replace(
         model,
         configuration=replace(old, canal=replace(old.canal, depth=depth)),
-        coefficients=Named({name: value * factors.get(name, 1.0) for name, value in model.coefficients.items()}),
+        coefficients=Coefficients({name: value * factors.get(name, 1.0) for name, value in model.coefficients.items()}),
         covariance=None if model.covariance is None else model.covariance * np.outer(grown, grown),
         data_range=replace(model.data_range, depth_to_draft=None),
         source=replace(model.source, text=f"{model.source.text}; taken to h/T = {depth / old.ship.draft:.2f} (Kijima)"),
@@ -126,7 +126,7 @@ def extend(
             whole[np.ix_(places, places)] = part
     values = {**model.coefficients, **coefficients}
     return replace(
-        model, terms=terms, coefficients=Named({name: values[name] for name in terms.names}), covariance=whole
+        model, terms=terms, coefficients=Coefficients({name: values[name] for name in terms.names}), covariance=whole
     )
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
-from narrows.base.results import BaseResult, Named
+from narrows.base.results import BaseResult, Coefficients
 from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect
@@ -157,7 +157,7 @@ def scale_model(
     scaled = replace(
         model,
         configuration=configuration,
-        coefficients=Named(coefficients),
+        coefficients=Coefficients(coefficients),
         covariance=None if model.covariance is None else model.covariance * np.outer(factors, factors),
         data_range=DataRange(**ranges),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
@@ -313,7 +313,7 @@ def dimensional(
     """
     units = units_of(model.configuration, system, speed)
     known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
-    return replace(model, coefficients=Named({**numbers, **known}), covariance=None)
+    return replace(model, coefficients=Coefficients({**numbers, **known}), covariance=None)
 
 
 def name_at_scale(name: str, ratio: float) -> str:

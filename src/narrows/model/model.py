@@ -119,7 +119,6 @@ class Model(Configured, Operations):
     verdicts: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "coefficients", Coefficients(self.coefficients))
         names = self.terms.names
         for name, value in self.coefficients.items():
             if name not in names:
@@ -216,7 +215,7 @@ class Model(Configured, Operations):
         """
         values = {**changes, **values}
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
-        return replace(self, coefficients=Named({**self.coefficients, **values}), verdicts=verdicts)
+        return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
 
     @accept_aliases
     def forces(
@@ -329,7 +328,7 @@ class Model(Configured, Operations):
         terms = without_bank(self.terms)
         indices = [self.terms.names.index(name) for name in terms.names]
         return replace(
-            self, terms=terms, coefficients=Named({name: self.coefficients[name] for name in terms.names}),
+            self, terms=terms, coefficients=Coefficients({name: self.coefficients[name] for name in terms.names}),
             covariance=None if self.covariance is None else self.covariance[np.ix_(indices, indices)],
             verdicts={name: verdict for name, verdict in self.verdicts.items() if name in terms.names},
         )  # fmt: skip

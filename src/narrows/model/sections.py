@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.base.errors import InputError, did_you_mean, shown
-from narrows.base.results import Named
+from narrows.base.results import Coefficients
 from narrows.model.data_range import DataRange, Range
 from narrows.model.tables import table_named
 from narrows.model.term import TermTable
@@ -76,7 +76,7 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
     return {
         "configuration": configuration_from(sections, "its setting", actuators),
         "terms": terms,
-        "coefficients": Named(tables["coefficients"]),
+        "coefficients": Coefficients(tables["coefficients"]),
         "covariance": _covariance(tables.get("covariance"), terms),
         "data_range": section_of(DataRange, "data_range", covered),
         "verdicts": tables.get("verdicts", {}),
