@@ -20,9 +20,9 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
-from narrows.logbook.sensor_grades import VDR
+from narrows.logbook.ship_log import VDR
 from narrows.logbook.steady_legs.plan_steady import usual_offsets
-from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, transits_of
+from narrows.logbook.transits import TransitTwin, drawn_truth, transits_of
 from narrows.quantities.names import KNOT
 
 SPEED, MINUTES, TWINS = 8 * KNOT, 20.0, 80

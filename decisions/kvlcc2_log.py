@@ -19,8 +19,8 @@ from scipy.signal import savgol_filter
 
 import narrows as nw
 from narrows.logbook.filtering.likelihood import SearchResult, search
+from narrows.logbook.learned_coefficients import with_spread
 from narrows.logbook.learning.learn_log import log_result
-from narrows.logbook.learning.log_posterior import with_spread
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.ship.actuators import Actuator
 

@@ -15,7 +15,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.logbook.steady_legs.steady_readings import steady_push
-from narrows.logbook.transits.transit_twins import TransitPilot, TransitTwin, gust_push, wandering
+from narrows.logbook.transits import TransitPilot, TransitTwin, gust_push, wandering
 from narrows.simulation.initial_state import self_propulsion
 
 DEGREE = math.pi / 180

@@ -21,8 +21,8 @@ from other_hand import OtherTransit, misread
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.logbook.sensor_grades import AIS, RTK, VDR, SensorGrade
-from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, drawn_truth, large_container_ship, transits_of
+from narrows.logbook.ship_log import AIS, RTK, VDR, SensorGrade
+from narrows.logbook.transits import SPEED, TransitTwin, drawn_truth, large_container_ship, transits_of
 from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline
 

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 import narrows as nw
-from narrows.logbook.transits.transit_twins import TransitTwin
+from narrows.logbook.transits import TransitTwin
 from narrows.waterway import Bank, Centreline
 
 Told = Mapping[str, np.ndarray]

@@ -8,8 +8,8 @@ import numpy as np
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.logbook.sensor_grades import sensor_grade
-from narrows.logbook.transits.transit_twins import TransitTwin, transits_of
+from narrows.logbook.ship_log import sensor_grade
+from narrows.logbook.transits import TransitTwin, transits_of
 from narrows.model.tables import table_named
 from narrows.waterway.map_lines import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point

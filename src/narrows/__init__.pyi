@@ -35,11 +35,11 @@ from .logbook.learning.learn_log import learn as learn
 from .logbook.learning.log_fit import LogFit as LogFit
 from .logbook.reading.read_log import read_log as read_log
 from .logbook.reading.read_log import stream_log as stream_log
-from .logbook.sensor_grades import SensorGrade as SensorGrade
-from .logbook.sensor_grades import SignalGrade as SignalGrade
+from .logbook.ship_log import SensorGrade as SensorGrade
 from .logbook.ship_log import ShipLog as ShipLog
 from .logbook.ship_log import ShipRecord as ShipRecord
 from .logbook.ship_log import Signal as Signal
+from .logbook.ship_log import SignalGrade as SignalGrade
 from .logbook.steady_legs.learn_steady import SteadyFit as SteadyFit
 from .logbook.steady_legs.learn_steady import learn_steady as learn_steady
 from .logbook.steady_legs.plan_steady import PlannedLeg as PlannedLeg
@@ -48,9 +48,9 @@ from .logbook.steady_legs.plan_steady import plan_steady as plan_steady
 from .logbook.steady_legs.steady_readings import ReadingErrors as ReadingErrors
 from .logbook.steady_legs.steady_readings import SteadyConditions as SteadyConditions
 from .logbook.steady_legs.steady_readings import SteadyReadings as SteadyReadings
-from .logbook.transits.predict_information import InformationForecast as InformationForecast
-from .logbook.transits.predict_information import predict_information as predict_information
-from .logbook.transits.transit_twins import TransitConditions as TransitConditions
+from .logbook.transits import InformationForecast as InformationForecast
+from .logbook.transits import TransitConditions as TransitConditions
+from .logbook.transits import predict_information as predict_information
 from .model.bank_force import BankForce as BankForce
 from .model.bank_force import bank_force as bank_force
 from .model.bank_forms import FORMS as FORMS

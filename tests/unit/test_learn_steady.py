@@ -12,8 +12,7 @@ from scipy.optimize import least_squares
 
 import narrows as nw
 from engine_models import mmg, steered
-from narrows.logbook.learned_coefficient import covered_range
-from narrows.logbook.learning.log_posterior import coefficient_prior
+from narrows.logbook.learned_coefficients import coefficient_prior, covered_range
 from narrows.logbook.steady_legs.learn_steady import LATENT, LegProblem
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors, steady_readings
 

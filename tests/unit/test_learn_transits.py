@@ -12,8 +12,8 @@ from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.logbook.filtering.record_grid import HELM_GAIN, first_guess, grid_of
 from narrows.logbook.learning.log_setup import log_problem
-from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
-from narrows.logbook.transits.transit_twins import (
+from narrows.logbook.ship_log import AIS, VDR, SensorGrade
+from narrows.logbook.transits import (
     SPEED,
     TransitTwin,
     drawn_truth,

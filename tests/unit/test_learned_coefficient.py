@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from narrows.logbook.learned_coefficient import LEARNED, PRIOR, SHARPENED, LearnedCoefficient
+from narrows.logbook.learned_coefficients import LEARNED, PRIOR, SHARPENED, LearnedCoefficient
 
 WIDE = 1.959964  # standard deviations that hold 95 % of a normal distribution
 

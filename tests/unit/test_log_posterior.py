@@ -8,8 +8,8 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, StochasticModel
+from narrows.logbook.learned_coefficients import LogPosterior, averaged, coefficient_prior, log_posterior
 from narrows.logbook.learning.learn_log import rudder_matters
-from narrows.logbook.learning.log_posterior import LogPosterior, averaged, coefficient_prior, log_posterior
 
 FREE = ("b_bank", "c_bank", "b_uv")
 

@@ -8,11 +8,10 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.learning.log_posterior import expected_std
+from narrows.logbook.learned_coefficients import expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.sensor_grades import GRADES
-from narrows.logbook.transits.predict_information import expected_information
-from narrows.logbook.transits.transit_twins import TransitTwin, gust_push, recorded
+from narrows.logbook.ship_log import GRADES
+from narrows.logbook.transits import TransitTwin, expected_information, gust_push, recorded
 from pictures import assert_readable
 
 BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0, gust_correlation=0.4)

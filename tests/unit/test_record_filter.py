@@ -14,7 +14,7 @@ from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.likelihood import RecordLikelihood, readings_for_one
 from narrows.logbook.filtering.log_problem import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.transits.transit_twins import recorded, wandering
+from narrows.logbook.transits import recorded, wandering
 from narrows.simulation.controllers import Order
 
 STEPS, READINGS = 5, 3

@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from narrows.base.errors import InputError
-from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
+from narrows.logbook.ship_log import GRADES, SensorGrade, SignalGrade, sensor_grade
 
 
 @pytest.mark.parametrize("grade", GRADES.values(), ids=GRADES)

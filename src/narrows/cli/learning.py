@@ -79,8 +79,8 @@ def learn(
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
     if logged.demo:
-        from narrows.logbook.sensor_grades import sensor_grade
-        from narrows.logbook.transits.transit_twins import demonstrated_log
+        from narrows.logbook.ship_log import sensor_grade
+        from narrows.logbook.transits import demonstrated_log
 
         prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
         fit = nw.learn(prior, log, sensors=logged.sensors)

@@ -20,7 +20,7 @@ from narrows.identification.plan import Plan
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import SteadyFit
 from narrows.logbook.steady_legs.plan_steady import SteadyPlan
-from narrows.logbook.transits.predict_information import InformationForecast
+from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
 from narrows.report.envelope_chart import envelope_along_chart, envelope_chart
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure

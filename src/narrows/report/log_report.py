@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
+from narrows.logbook.learned_coefficients import ON_TWINS, QUANTILE_95
 from narrows.logbook.learning.log_fit import LogFit, RecordAnswer
 from narrows.logbook.ship_log import ShipLog, Signal
 from narrows.report.fit_page import figure, write_page

@@ -15,10 +15,9 @@ from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
 from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
-from narrows.logbook.learning.log_posterior import Spread
+from narrows.logbook.learned_coefficients import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem, log_records, speed_of
-from narrows.logbook.sensor_grades import SensorGrade
-from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
+from narrows.logbook.ship_log import SIGNALS, SensorGrade, ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.waterway import Waterway

@@ -16,12 +16,10 @@ from narrows.base.progress import stage
 from narrows.logbook.filtering.likelihood import LOOSE_WALK, SearchResult, search
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, OFFSET, RUDDER
-from narrows.logbook.learned_coefficient import learned_model
+from narrows.logbook.learned_coefficients import LogPosterior, Spread, averaged, learned_model, log_posterior
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
-from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.sensor_grades import SensorGrade
-from narrows.logbook.ship_log import ShipLog, ShipRecord
+from narrows.logbook.ship_log import SensorGrade, ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.waterway import Waterway

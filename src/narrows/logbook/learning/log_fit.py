@@ -12,7 +12,7 @@ from narrows.base.results import Aliased
 from narrows.logbook.filtering.likelihood import FIRST_PASSES, RecordLikelihood, RecordPath, RecordScore, SearchResult
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel
 from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER, STATES, RecordGrid
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
+from narrows.logbook.learned_coefficients import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
 
 MOST_DRAWN = 4  # Most records whose forecasts are kept for figures

@@ -22,11 +22,16 @@ from narrows.logbook.filtering.log_problem import (
     StochasticModel,
 )
 from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, OFFSET, READ, RUDDER, RecordGrid, grid_of
-from narrows.logbook.learned_coefficient import learnable
-from narrows.logbook.learning.log_posterior import Spread, coefficient_prior, push_inertia, with_asymmetry, with_spread
+from narrows.logbook.learned_coefficients import (
+    Spread,
+    coefficient_prior,
+    learnable,
+    push_inertia,
+    with_asymmetry,
+    with_spread,
+)
 from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
-from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
-from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
+from narrows.logbook.ship_log import GRADES, SensorGrade, ShipLog, ShipRecord, Signal, SignalGrade, sensor_grade
 from narrows.model.model import Model
 from narrows.quantities.names import DEGREE
 from narrows.simulation.initial_state import steady_revolutions

@@ -19,8 +19,15 @@ from narrows.base.errors import InputError
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.logbook.filtering.likelihood import bounded_step
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, learned_model
-from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
+from narrows.logbook.learned_coefficients import (
+    LEARNED,
+    ON_TWINS,
+    LearnedAnswer,
+    check_covariance,
+    coefficient_prior,
+    learned_model,
+    log_posterior,
+)
 from narrows.logbook.settings import CONTRADICTION, UPDATE_ROUNDS, UPDATE_SETTLED, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.steady_readings import (
     SHARED,

@@ -13,8 +13,7 @@ from narrows.base.errors import InputError, check_count, shown
 from narrows.base.results import Tabulated
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.logbook import settings
-from narrows.logbook.learned_coefficient import ON_TWINS, learnable
-from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
+from narrows.logbook.learned_coefficients import ON_TWINS, check_covariance, coefficient_prior, learnable, log_posterior
 from narrows.logbook.steady_legs.learn_steady import LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
     READ,
