@@ -17,7 +17,7 @@ from narrows.logbook.filtering.likelihood import (
     score_and_information,
 )
 from narrows.logbook.filtering.log_problem import Estimated, LogProblem, Process, StochasticModel
-from narrows.logbook.learning.log_posterior import (
+from narrows.logbook.learned_coefficients import (
     LogPosterior,
     averaged,
     coefficient_prior,
