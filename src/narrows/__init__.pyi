@@ -93,7 +93,6 @@ from .safety import SafeEnvelope as SafeEnvelope
 from .safety import envelope_along as envelope_along
 from .safety import outside_rules as outside_rules
 from .safety import safe_envelope as safe_envelope
-from .safety import speed_limits as speed_limits
 from .safety import wind_force as wind_force
 from .ship.actuators import Propeller as Propeller
 from .ship.actuators import Rudder as Rudder

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
-from cases import deep, mmg, paper, steered, waterway_for
+from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
 from faults import scaled
@@ -290,12 +290,6 @@ class Table:
                  "y": [0.0], "u": [0.2, 0.6], "samples": 4},
                 {"model": refused(paper()), "waterway": refused("canal"), "places": [60.0], "y": [0.5],
                  "u": [0.2, 0.5]},
-            ),
-            "speed_limits": Entry(
-                {"model": tested(steered()), "waterway": deep(waterway_for("steered"), "steered"), "places": [30.0],
-                 "u": [0.2, 0.6, 1.0]},
-                {"model": refused(paper()), "waterway": refused("canal"), "places": [60.0],
-                 "y": refused(3.3), "reserve": refused(0.99), "u": [0.2, 0.5]},
             ),
             "outside_rules": Entry(
                 {"configuration": by_depth().configuration},

@@ -87,7 +87,7 @@ def test_shares_are_those_of_ships_that_sail_the_bend(radius: float, samples: in
 def test_a_limit_in_a_bend_is_that_of_nineteen_samples_in_twenty() -> None:
     """Not that of the most likely ship, which keeps its reserve in the bend at any speed."""
     place, speeds = arc().line.length / 2, np.array([SPEED])
-    with pytest.raises(nw.InputError, match="no speed is safe"):
-        nw.speed_limits(kcs(), arc(), [place], u=speeds, samples=SAMPLES)
+    along = nw.envelope_along(kcs(), arc(), [place], y=[0.0], u=speeds, samples=SAMPLES)
+    assert np.isnan(along.to_dataframe()["highest_speed"]).all()
     likely = float(enveloped(1 / RADIUS).data["rudder_likely"].sel(y=0.0).item())
     assert abs(likely) < 2 / 3 * np.radians(35.0)

@@ -145,14 +145,6 @@ TABLE: dict[str, tuple[dict[str, Any], str]] = {
         "Safe up to 8.0 knots (slowest tried 2.0), from 20.0 m to port to 11.4 m to starboard of the middle, with 95 % "
         f"probability. The limit to the sides is {LENGTHS['the disturbance']}; in speed, {TRIED}.",
     ),
-    "single places farther out": (
-        {"held": at(0.85, (4, [1, 2, 3]))},
-        "Single places outside this are safe too. The limit to the sides is",
-    ),
-    "single places farther out on the other side": (
-        {"held": at(0.85, (3, [1, 2, 3]), base=at(0.85, (0, slice(None))))},
-        "Single places outside this are safe too, out to 20.0 m. The limit to the sides is",
-    ),
     "too fast": (
         {"held": at(0.5, (slice(None), 3)), "rudder_likely": 0.36 * SAFE},
         "Safe up to 6.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. The limit to the "
@@ -170,8 +162,8 @@ TABLE: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "aground": (
         {"held": SAFE, "clear": at(0.0, (slice(None), 2)) > 0},
-        "Safe up to 4.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. Single places "
-        f"outside this are safe too, up to 8.0 knots. The limit to the sides is {TRIED}; in speed, "
+        "Safe up to 4.0 knots (slowest tried 2.0) within 20.0 m of the middle, with 95 % probability. The limit to the "
+        f"sides is {TRIED}; in speed, "
         f"{LENGTHS['the keel']}.",
     ),
     "by the model alone": (

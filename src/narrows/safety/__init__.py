@@ -5,7 +5,6 @@ from narrows.safety.channel_rules import outside_rules as outside_rules
 from narrows.safety.envelope import safe_envelope as safe_envelope
 from narrows.safety.envelope_along import EnvelopeAlong as EnvelopeAlong
 from narrows.safety.envelope_along import envelope_along as envelope_along
-from narrows.safety.envelope_along import speed_limits as speed_limits
 from narrows.safety.request import Disturbance as Disturbance
 from narrows.safety.request import wind_force as wind_force
 from narrows.safety.result import MEDIAN as MEDIAN

@@ -227,7 +227,6 @@ def _ends(speeds: dict[float, float]) -> str:
     return f" (to {' and '.join(words)})" if words else ""
 
 
-# Sections of a waterway for the safe envelope, and the highest safe speeds along it.
 @dataclass(frozen=True)
 class Reach:
     model: Model  # The model in the canal of that section
@@ -250,41 +249,3 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
         "current": float(waterway.current_at(at)),
     }  # fmt: skip
     return Reach(there, middle, asked)
-
-
-@accept_aliases
-def speed_limits(
-    model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, **envelope: Any
-) -> list[tuple[float, float]]:
-    """Find the highest safe speed of some sections of a waterway, for a speed governor: pairs of x [m], speed [m/s].
-
-    Raises an InputError if no speed is safe at a place, or there is none.
-
-    Parameters
-    ----------
-    model : Model
-        A model at the ship's own size, with the terms of a rudder.
-    waterway : Waterway
-        The waterway.
-    places : sequence of float [m]
-        Places along it, rising; each section is assumed constant to the next.
-    y : float [m]
-        Offset to starboard of the line.
-    **envelope : Any
-        Options of ``safe_envelope``.
-    """
-    check_waterway(waterway)
-    if waterway is None:
-        raise InputError("speed limits are along a waterway; give one")
-    if not len(places):
-        raise InputError("no place is given; name some along the waterway")
-    limits = []
-    for place in map(float, places):
-        reach = reach_at(model, waterway, place)
-        there = safe_envelope(reach.model, np.array([y - reach.middle]), **{**reach.asked, **envelope})
-        top = float(there.highest_speed()[0])
-        if not np.isfinite(top):
-            why = there.untested or there.limited_by()[0]
-            raise InputError(f"no speed is safe {place:g} m along the way: {why}; hold another line there")
-        limits.append((place, top))
-    return limits

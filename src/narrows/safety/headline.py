@@ -35,7 +35,7 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
         return [*answer, words], [*_with_true_coefficients(data, share, None), limit]
     word = "Safe by the model" if section else "Safe"  # The chart hatches a section that was not tested, too
     span = place_in_words(data, block[1], safe_offsets(data, block, share))
-    limits = [*_safe_outside(data, safe, block), _limits_of(data, share, block)]
+    limits = [_limits_of(data, share, block)]
     if wider is not None and wider != block:
         limits.append(f"By the model also {_at_places(data, wider)}, but there the tests end.")
     return [*answer, f"{word} {span}, with 95 % probability."], [
@@ -68,19 +68,6 @@ def _nowhere(data: xr.Dataset, share: float) -> tuple[str, str]:
     if likely is not None:
         answer += f"; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}"
     return f"{answer}.", f"The limit is {_cause_at_length(best, share)}."
-
-
-def _safe_outside(data: xr.Dataset, safe: np.ndarray, block: Block) -> list[str]:
-    """Return a sentence on safe places outside the largest block, so that no table contradicts the answer."""
-    # safe (offsets, speeds)
-    y, u, rest = data["y"].to_numpy(), data["u"].to_numpy(), safe.copy()
-    rest[block] = False
-    if not rest.any():
-        return []
-    fastest, farthest = u[safe.any(axis=0)].max(), np.abs(y[safe.any(axis=1)]).max()
-    parts = [f"up to {fastest / KNOT:.1f} knots"] * bool(fastest > u[block[1]].max())
-    parts += [f"out to {farthest:.1f} m"] * bool(farthest > np.abs(y[block[0]]).max())
-    return [f"{', '.join(['Single places outside this are safe too', *parts])}."]
 
 
 def _limits_of(data: xr.Dataset, share: float, block: Block) -> str:

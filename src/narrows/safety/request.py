@@ -231,17 +231,16 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
         return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
     choke, room = choke_speed(configuration), configuration.canal.depth - configuration.ship.draft
     midship, clearance = np.zeros(len(speeds)), np.full(len(speeds), np.nan)
-    notes: dict[str, dict[str, None]] = {}  # Warnings by formula, without the numbers of a speed
+    notes = dict[str, None]()  # Without the numbers of a speed
     for index, speed in enumerate(speeds.tolist()):
         if speed < choke:
             ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
             middle = squat(configuration, speed)
             midship[index], clearance[index] = middle.sinkage, room - max(end.sinkage for end in ends)
             for estimate in (middle, *ends):
-                words = [re.sub(r"\S+ is outside", "is outside", note) for note in estimate.notes]
-                notes.setdefault(estimate.formula, {}).update(dict.fromkeys(words))
-    sentences = (f"squat by {formula}: {', '.join(words)}" for formula, words in notes.items() if words)
-    return Keel(midship, clearance, choke, tuple(sentences))
+                words = (re.sub(r"\S+ is outside", "is outside", note) for note in estimate.notes)
+                notes |= dict.fromkeys(f"squat by {estimate.formula}: {note}" for note in words)
+    return Keel(midship, clearance, choke, tuple(notes))
 
 
 @accept_aliases

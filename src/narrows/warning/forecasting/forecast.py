@@ -104,13 +104,7 @@ class BankForecast(BaseSummary):
         return ("Contact with the rudder as it is happens only if nobody acts: it is no chance of grounding.",)
 
     def summary(self) -> str:
-        run = self.likely
-        as_is = f"contact to {run.side} in {run.contact:.0f} s" if math.isfinite(run.contact) else "no contact"
-        return (
-            f"As the rudder is: {as_is}; last chance {self.time_left()}.\n"
-            f"{self.escape.words()}: leaves {self.escape.clearance:.0f} m. "
-            f"Nobody acts in time: {100 * self.nobody:.0f} %."
-        )
+        return self.words()
 
     def time_left(self) -> str:
         if self.gone:

@@ -34,9 +34,8 @@ class Helmsmen:
     def __init__(self, count: int, length: float) -> None:
         self.count, self.length = count, length
         shape = count, len(settings.HELM_DELAYS), 4
-        self.gains = np.broadcast_to(
-            np.array(settings.HELM_GAINS), shape
-        ).copy()  # Gains of 1, offset, heading, yaw rate
+        # Gains of 1, offset, heading, yaw rate
+        self.gains = np.broadcast_to(np.array(settings.HELM_GAINS), shape).copy()
         self._walk = np.diag(np.array(settings.HELM_GAINS_SIGMA) ** 2) / settings.HELM_MEMORY
         self._covariance = np.broadcast_to(np.diag(np.array(settings.HELM_GAINS_SIGMA) ** 2), (*shape, 4)).copy()
         self._squares = np.full(shape[:2], (2 * settings.LEAST_HELM_SCATTER) ** 2)  # Squared deviations from the law
@@ -60,13 +59,8 @@ class Helmsmen:
         self.off = off[here]
         self._judge(rudder)
         self._learn(seen, off, 1.0 - self.unattended)
-        self.limit = np.maximum.reduce(
-            [
-                self.limit * math.exp(-1.0 / settings.HELM_MEMORY),
-                np.abs(rudder),
-                np.full(self.count, settings.LEAST_HELM_LIMIT),
-            ]
-        )
+        faded = self.limit * math.exp(-1.0 / settings.HELM_MEMORY)
+        self.limit = np.maximum(np.maximum(faded, settings.LEAST_HELM_LIMIT), np.abs(rudder))
 
     def _judge(self, rudder: np.ndarray) -> None:
         """One step of the filter of the hidden state."""
@@ -76,18 +70,12 @@ class Helmsmen:
         # Only a move that brings the rudder nearer to the law shows a hand at work: a wrong order does not.
         steered = moved & (np.abs(self.off) < np.abs(self.off - step))
         self._held = np.where(moved, rudder, self._held)
-        before = (
-            self.unattended + (1.0 - self.unattended) / settings.LAPSE_INTERVAL - self.unattended / settings.RETURN_TIME
-        )
+        gone = self.unattended
+        before = gone + (1.0 - gone) / settings.LAPSE_INTERVAL - gone / settings.RETURN_TIME
         scatter = np.sqrt(self._squares[np.arange(self.count), self._best])
-        evidence = (
-            log_student(self.off, settings.UNATTENDED_SCATTER) - log_student(self.off, scatter)
-        ) / settings.DEVIATION_TIME
-        odds = (
-            np.log(before / (1.0 - before))
-            + evidence
-            + steered * math.log(settings.UNATTENDED_MOVES * settings.ORDER_INTERVAL)
-        )
+        evidence = log_student(self.off, settings.UNATTENDED_SCATTER) - log_student(self.off, scatter)
+        odds = np.log(before / (1.0 - before)) + evidence / settings.DEVIATION_TIME
+        odds += steered * math.log(settings.UNATTENDED_MOVES * settings.ORDER_INTERVAL)
         self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *settings.UNATTENDED_BOUNDS)
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
@@ -115,9 +103,8 @@ class Helmsmen:
 
 def log_student(off: np.ndarray, scale: float | np.ndarray) -> np.ndarray:
     """Log density of Student's t with ``HELM_FREEDOM`` degrees of freedom, less its constant."""
-    return np.asarray(
-        -np.log(scale) - 0.5 * (settings.HELM_FREEDOM + 1.0) * np.log1p((off / scale) ** 2 / settings.HELM_FREEDOM)
-    )
+    freedom = settings.HELM_FREEDOM
+    return np.asarray(-np.log(scale) - 0.5 * (freedom + 1.0) * np.log1p((off / scale) ** 2 / freedom))
 
 
 REVOLUTIONS = "revolutions"

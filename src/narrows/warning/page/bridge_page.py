@@ -298,14 +298,11 @@ def request_of(text: str) -> PageRequest | None:
     if len(text) > settings.LONGEST_REQUEST:
         return None
     try:
-        asked = json.loads(text)
-    except (ValueError, RecursionError):
+        request = PageRequest(**json.loads(text))
+        known = request.command in COMMANDS and all(type(number) is int for number in request[1:])
+    except (ValueError, TypeError, RecursionError):
         return None
-    if not isinstance(asked, dict) or set(asked) != {"command", *NUMBERS}:
-        return None
-    command, *numbers = (asked[name] for name in ("command", *NUMBERS))
-    known = isinstance(command, str) and command in COMMANDS and all(type(number) is int for number in numbers)
-    return PageRequest(command, *numbers) if known else None
+    return request if known else None
 
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
