@@ -262,7 +262,10 @@ def loop_margins(
     gain_crossings = crossings(lambda at: np.abs(at) - 1.0, True)
     # Phase crossing at half a turn: the imaginary part changes its sign while the real part is negative.
     phase_crossings = crossings(np.imag, loop.real[:-1] < 0)
-    factors, phase = 1.0 / np.abs(response(phase_crossings)), np.angle(-response(gain_crossings))
+    # At rest, and at half the sampling frequency, the loop is real.
+    ends = (_value_at(A, B, C, at) for at in ((1.0, -1.0) if dt else (0.0,)))
+    negative = [*np.abs(response(phase_crossings)), *(-value for value in ends if value < 0)]
+    factors, phase = 1.0 / np.array(negative), np.angle(-response(gain_crossings))
     # A delay turns the loop clockwise: the delay margin is the clockwise angle to half a turn.
     delays = np.mod(phase, 2 * math.pi) / gain_crossings
     distance = float(np.abs(1.0 + loop).min())
@@ -274,3 +277,9 @@ def loop_margins(
         "distance": distance,
         "sensitivity_peak": 1.0 / distance,
     }
+
+
+def _value_at(A: np.ndarray, B: np.ndarray, C: np.ndarray, at: float) -> float:
+    """Return C (at I - A)^-1 B; 0 at a pole of the loop."""
+    matrix = at * np.eye(len(A)) - A
+    return float((C @ np.linalg.solve(matrix, B))[0, 0]) if np.linalg.matrix_rank(matrix) == len(A) else 0.0

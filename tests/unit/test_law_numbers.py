@@ -1,0 +1,217 @@
+"""Laws by hand, order by order: the regulator, the governor of the speed, noise and cost of designs; no ship sails."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from test_control_numbers import Ahead
+
+import narrows as nw
+from narrows.control import HeldLine, Regulator, RegulatorWeights, SpeedGovernor
+from narrows.control.design import SCENES, SeenWithNoise, TrialResult, cost_of, weights_at
+from narrows.control.speed_governor import speed_governor
+from narrows.simulation.controllers import LAST_ORDER
+from narrows.simulation.derivative import derivative
+
+DEGREE = math.pi / 180
+
+
+# The regulator, step by step
+
+LINE = HeldLine(2.0, (0.01, 0.5, 0.02, 3.0, 0.25, 0.001), 0.03, -0.02, 0.1, (4.0, 5.0, 6.0))
+BEND, LEAD = 1e-3, 7.0
+
+
+def observed(law: Any, memory: Any, **at: Any) -> SimpleNamespace:
+    def water(name: str, x: float) -> float:
+        assert name == "curvature"
+        return BEND if x > 100.0 else 0.0
+
+    whole = {"t": 0.0, "dt": 0.5, "x": 0.0, "current": 0.0, "rudder_limit": 0.6, "rudder_rate": 0.1, "water": water}
+    return SimpleNamespace(**{**law.parameters(), **memory, **whole, **at})
+
+
+def test_an_order_of_the_regulator_is_that_of_its_formula_by_hand() -> None:
+    """Twice the design speed, straight on: gains of pose and rudder double, that of the integral is fourfold.
+
+    With dt = 0.5 s and a rudder gain of 0.25 / s, doubled: the rate is divided by 1 + 0.5 * 0.5.
+    """
+    law = Regulator((LINE,), 2.0, LEAD, unwinding=20.0, integral=3.0)
+    memory = law.memory({"rudder": 0.05})
+    assert memory == {"integral": 3.0, LAST_ORDER: 0.05}
+    at = observed(law, memory, y=2.6, psi=0.01, u=4.0, v=0.3, r=0.002, rudder=9.9)
+    orders, kept = law.orders(at)
+    # Deviations: 0.6 m, 0.03 rad, 0.3 - 0.2 m/s, 0.05 - 0.03 rad.
+    rate = -(2 * (0.01 * 0.6 + 0.5 * 0.03 + 0.25 * 0.02) + 0.02 * 0.1 + 3.0 * 0.002 + 4 * 0.001 * 3.0)
+    assert orders["rudder"] == pytest.approx(0.05 + 0.5 * rate / 1.25)
+    assert kept == {"integral": pytest.approx(3.0 + 0.5 * 0.6), LAST_ORDER: orders["rudder"]}
+    # At a twentieth of the design speed and below the gains stay.
+    slow, slower = (law.orders(observed(law, memory, y=2.6, psi=0.01, u=u, v=0.3, r=0.0)) for u in (0.1, 0.02))
+    assert slow[0]["rudder"] == pytest.approx(slower[0]["rudder"])
+
+
+def test_a_regulator_that_the_gear_cannot_follow_unwinds() -> None:
+    """0.05 rad a step of 0.5 s at most; what is lacking goes back into the integral by its gain and time."""
+    law = Regulator((replace(LINE, psi=0.0, v=0.0, turning=(0.0,) * 3),), 2.0, LEAD, unwinding=20.0)
+    at = observed(law, {"integral": 1.0, LAST_ORDER: 0.03}, y=32.0, psi=0.0, u=2.0, v=0.0, r=0.0)
+    orders, kept = law.orders(at)
+    assert orders["rudder"] == pytest.approx(0.03 - 0.05)
+    move = 0.5 * -(0.01 * 30.0 + 0.001 * 1.0) / 1.125
+    assert kept["integral"] == pytest.approx(1.0 + 0.5 * 30.0 + (move + 0.05) / (0.001 * 20.0))
+    hard = observed(law, {"integral": 1.0, LAST_ORDER: -0.59}, y=32.0, psi=0.0, u=2.0, v=0.0, r=0.0)
+    assert law.orders(hard)[0]["rudder"] == -0.6
+
+
+def test_the_turn_ahead_moves_course_drift_and_rudder() -> None:
+    """In a steady turn of 1e-3 1/m at 2.5 m/s over ground, on the held course of that turn, the order stays."""
+    law = Regulator((LINE,), 2.0, LEAD, unwinding=20.0)
+    pace = 2.0 + 0.5
+    turn = BEND * pace
+    steady = {"y": 2.0, "psi": -0.02 + 4.0 * turn, "u": 2.0, "v": 0.1 + 5.0 * turn, "r": turn, "current": 0.5}
+    rudder = 0.03 + 6.0 * turn
+    memory = {"integral": 0.0, LAST_ORDER: rudder}
+    orders, kept = law.orders(observed(law, memory, x=100.0 - LEAD * pace + 0.1, **steady))
+    assert orders["rudder"] == pytest.approx(rudder, abs=1e-12)
+    assert kept["integral"] == pytest.approx(0.0, abs=1e-9)
+    before = law.orders(observed(law, memory, x=100.0 - LEAD * pace - 0.1, **steady))[0]["rudder"]
+    rate = 0.5 * 4.0 * turn + 0.02 * 5.0 * turn + 3.0 * turn + 0.25 * 6.0 * turn
+    assert before == pytest.approx(rudder - min(0.5 * rate / 1.125, 0.05))
+    # Half as fast, heading and rudder of a turn are as large, the sway velocity of the straight course is half.
+    slow = {**steady, "u": 1.0, "current": 0.0, "r": BEND, "psi": -0.02 + 4.0 * BEND * 2, "v": 0.05 + 5.0 * BEND}
+    there = {"integral": 0.0, LAST_ORDER: 0.03 + 6.0 * BEND * 2}
+    orders, _ = law.orders(observed(law, there, x=200.0, **slow))
+    assert orders["rudder"] == pytest.approx(there[LAST_ORDER], abs=1e-12)
+
+
+def test_lines_hold_from_their_time_or_place_on() -> None:
+    lines = tuple(replace(LINE, y=float(y), start=float(start)) for y, start in ((0, 0), (5, 30), (9, 60)))
+    by_time, by_place = (Regulator(lines, 2.0, LEAD, 20.0, along=along) for along in (False, True))
+    for now, y in ((-1.0, 0.0), (29.9, 0.0), (30.0, 5.0), (59.9, 5.0), (60.1, 9.0)):
+        memory = {"integral": 0.0, LAST_ORDER: 0.0}
+        rest = {"psi": 0.0, "u": 2.0, "v": 0.0, "r": 0.0, "y": 7.0, "dt": 0.01}
+        kept = by_time.orders(observed(by_time, memory, t=now, **rest))[1]["integral"]
+        along = by_place.orders(observed(by_place, memory, x=now + 1e-9, **rest))[1]["integral"]
+        free = Regulator((replace(LINE, y=y),), 2.0, LEAD, 20.0)
+        assert kept == along == free.orders(observed(free, memory, **rest))[1]["integral"]
+
+
+# The governor of the speed
+
+
+def test_revolutions_of_a_governor_by_hand() -> None:
+    """4 m/s at 2 1/s, from 100 m on 3 m/s at 1.2 1/s, from 200 m on 3.5 m/s: slowed and gained by 0.05 m/s2."""
+    limits = (0.0, 100.0, 200.0), (4.0, 3.0, 3.5), (2.0, 1.2, 1.7)
+    governor = SpeedGovernor(Ahead(), *limits, 0.05, 0.5, 0.01, 7.0, 2.5)
+    memory = governor.memory({})
+    assert memory == {"kept": 2.0, "surge_shortfall": 0.0}
+
+    def ordered(x: float, u: float, shortfall: float = 0.0, most: float = 9.0, law: Any = governor) -> Any:
+        at = SimpleNamespace(**law.parameters(), kept=2.0, surge_shortfall=shortfall, x=x, u=u, dt=2.0)
+        at.revolutions_limit = most
+        orders, kept = law.orders(at)
+        assert (orders["rudder"], kept["kept"]) == (0.1, 3.0)
+        return float(orders["revolutions"]), float(kept["surge_shortfall"])
+
+    # At 65 m, 35 m before: root(9 + 2 * 0.05 * 35) = root(12.5) m/s; 0.1 m/s too slow for 2 s, beside 5 m of before.
+    speed = math.sqrt(12.5)
+    expected = 1.2 + 0.8 * (speed - 3.0) - 7.0 * 0.05 + 0.5 * 0.1 + 0.01 * 5.2
+    assert ordered(65.0, speed - 0.1, 5.0) == pytest.approx((expected, 5.2))
+    assert ordered(10.0, 4.0) == pytest.approx((2.0, 0.0))
+    assert ordered(150.0, 3.0) == pytest.approx((1.2, 0.0))
+    # Gaining 10 m after 200 m: root(9 + 1) m/s; from 232.5 m on 3.5 m/s.
+    gaining = math.sqrt(10.0)
+    assert ordered(210.0, gaining) == pytest.approx((1.2 + 0.8 * (gaining - 3.0) + 7.0 * 0.05, 0.0))
+    assert ordered(233.0, 3.5) == pytest.approx((1.6, 0.0))  # linear between the slowest and the fastest limit
+    # At either limit the integral stays.
+    assert ordered(10.0, 2.0, 5.0) == pytest.approx((2.5, 5.0))
+    assert ordered(10.0, 2.0, 5.0, most=2.2) == pytest.approx((2.2, 5.0))
+    assert ordered(10.0, 9.0, 5.0) == pytest.approx((0.0, 5.0))
+    # With one limit the revolutions go with the speed.
+    alone = SpeedGovernor(Ahead(), (0.0,), (4.0,), (2.0,), 0.05, 0.5, 0.01, 7.0, 2.5)
+    assert ordered(10.0, 4.0, law=alone) == pytest.approx((2.0, 0.0))
+    assert alone.parameters()["plan_by_speed"] == 0.5
+
+
+KVLCC2 = nw.published("yasukawa2015_kvlcc2")
+
+
+def test_poles_of_the_governor_are_those_that_were_placed() -> None:
+    """Both at three times of a ship length; half of the stopped ship's deceleration, half again the engine."""
+    limits = [(0.0, 1.0), (60.0, 0.7), (110.0, 0.85)]
+    made = speed_governor(KVLCC2, nw.control.regulator(KVLCC2, 0.0, 0.8), limits)
+    free = nw.control.linearize(KVLCC2, u=0.7, surge="free")
+    row = free.states.index("u")
+    slope, push = free.A[row, row], free.B[row, free.controls.index("revolutions")]
+    closed = np.array([[slope - push * made.gain, push * made.integral_gain], [-1.0, 0.0]])
+    pole = 0.7 / (3 * KVLCC2.configuration.ship.length)
+    np.testing.assert_allclose(np.poly(closed), [1.0, 2 * pole, pole**2], rtol=1e-9)
+    assert made.inertia == pytest.approx(1 / push)
+    assert made.most_revolutions == pytest.approx(1.5 * nw.control.self_propulsion(KVLCC2, 1.0))
+    stopped = -derivative(KVLCC2, {"u": 0.7}, surge="free", revolutions=0.0)[3]
+    assert made.rate == pytest.approx(stopped / 2)
+    np.testing.assert_allclose(made.revolutions, [nw.control.self_propulsion(KVLCC2, u) for _, u in limits])
+    speed_governor(KVLCC2, made.helm, limits, deceleration=0.999 * stopped)
+    for wrong in (1.001 * stopped, 0.0):
+        with pytest.raises(nw.InputError, match="deceleration"):
+            speed_governor(KVLCC2, made.helm, limits, deceleration=wrong)
+    assert speed_governor(KVLCC2, made.helm, limits, most_revolutions=7.0).most_revolutions == 7.0
+
+
+# Designs
+
+
+def test_noise_of_readings_is_a_logistic_map_of_unit_deviation() -> None:
+    """Uniform angles theta give sin(theta)^2 of mean 1/2 and variance 1/8; the map doubles the angle."""
+
+    class Seen(Ahead):
+        def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+            return {"rudder": at.y}, {"kept": at.psi}
+
+    law = SeenWithNoise(Seen(), {"y": 0.5, "psi": 0.0, "v": 0.0, "r": 0.0}, late=3.0)
+    memory = {**law.memory({"rudder": 0.2}), "chaos_y": np.sin(np.pi / 2 * (np.arange(100_003) + 0.5) / 100_003) ** 2}
+    assert (memory["farthest"], memory["travel"], memory["was"], memory["chaos_psi"]) == (0.0, 0.0, 0.2, 0.4)
+    seen, told = [], []
+    for t in range(6):
+        at = SimpleNamespace(**law.parameters(), **memory, held_y_0=1.0, t=float(t), dt=1.0, y=1.0 - t, psi=0.3,
+                             v=0.0, r=0.0, rudder=0.2 + 0.1 * (-1) ** t)  # fmt: skip
+        orders, memory = law.orders(at)
+        seen.append(orders["rudder"] - at.y)
+        told.append((float(memory["farthest"]), round(float(memory["travel"]), 9)))
+    assert memory["kept"] == 0.3
+    assert np.mean(seen[3:]) == pytest.approx(0.0, abs=0.01)
+    assert np.std(seen[3:]) == pytest.approx(0.5, rel=0.01)
+    angle = 2**6 * math.asin(math.sqrt(0.4))
+    assert memory["chaos_psi"] == pytest.approx(math.sin(angle) ** 2)
+    # The offset counts from the step whose middle is 3 s on: 3, 4, 5 m; the rudder moves 0.1 once, then 0.2 each.
+    assert told == [(0.0, 0.1), (0.0, 0.3), (0.0, 0.5), (3.0, 0.7), (4.0, 0.9), (5.0, 1.1)]
+
+
+def test_the_cost_of_a_design_is_lost_ships_and_shares_of_offset_and_travel() -> None:
+    """One of four lost; late offsets of 0.5, 1, 3 (of 9, at most) and 1.5; travels of a half, 1, 2 (of 4) and 0.5."""
+    usual = 11.7 * 10 * DEGREE
+    off = np.array([[0.5, 1.0, 9.0, 1.5]])
+    result = TrialResult(off > 8, off, usual * np.array([[0.5, 1.0, 4.0, 0.5]]))
+    assert cost_of(result) == pytest.approx(0.25 + 0.3 * 1.5 + 0.1 * 1.0)
+    assert weights_at(np.array([0.0] * 5 + [0.5])) == RegulatorWeights()
+    doubled = weights_at(np.array([math.log(2.0), 0.0, 0.0, 0.0, -math.log(2.0), 1.0]))
+    assert doubled is not None
+    assert (doubled.heading_deg, doubled.rudder_deg, doubled.unwinding_time) == pytest.approx((4.6, 14.0, 0.13))
+    assert doubled.bank == 1.0
+    assert weights_at(np.array([0.0] * 5 + [1.001])) is None
+    assert weights_at(np.array([0.0] * 5 + [-0.001])) is None
+    assert weights_at(np.array([0.0] * 5 + [0.0])) is not None
+
+
+def test_scenes_of_a_design_lie_within_its_voyages() -> None:
+    """Docstring of ``design``: an offset, a receding bank, gusts, and both far off the centreline."""
+    assert list(SCENES) == ["offset", "bank", "gust", "hard"]
+    assert [scene.offset for scene in SCENES.values()] == [0.8, 1.0, 0.8, 1.3]
+    assert [scene.begins for scene in SCENES.values()] == [0.3, 0.0, 0.0, 0.0]
+    assert SCENES["bank"].pushes == ((2.0, 3.5, 0.0, 6 * DEGREE), (5.9, 7.4, 0.0, -6 * DEGREE))
+    assert SCENES["gust"].pushes == ((2.0, 3.2, 6 * DEGREE, 5 * DEGREE), (5.9, 7.0, -6 * DEGREE, -5 * DEGREE))
+    np.testing.assert_allclose(
+        SCENES["hard"].pushes, [(2.0, 3.2, 9 * DEGREE, 7.5 * DEGREE), (4.9, 6.1, 0.0, 5 * DEGREE)]
+    )
