@@ -19,7 +19,6 @@ from pages import Rows, markdown, part, publish, records
 import narrows as nw
 from narrows.empirical.calibration import BANK_PRIOR, SIGNED
 from narrows.empirical.formulas import FORMULAS, depth_factor
-from narrows.empirical.main_dimensions import estimated
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 
@@ -81,7 +80,8 @@ def kvlcc2() -> nw.Model:
     others = calibrated(tuple(ship for ship in KNOWN_SHIPS if ship.name != "KVLCC2"))
     ship = {"length": 7.0, "beam": 1.27, "draft": 0.46, "block_coefficient": 0.81}
     gear = nw.SteeringGear(35.0, 15.8)
-    return estimated(ship, nw.Canal(700.0), nw.Water(1000.0), "tanker", APPROACH, None, None, gear, others)
+    setting = nw.Canal(700.0), nw.Water(1000.0)
+    return nw.estimate_model(ship, *setting, kind="tanker", speed=APPROACH, steering=gear, calibration=others)
 
 
 @cache

@@ -14,6 +14,7 @@ import narrows as nw
 from faults import scaled
 from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
+from narrows.empirical.calibration import read_calibration
 from narrows.ship.actuators import Actuator, Part, number_in
 from readers_files import TURNED
 from tables import DTC_SHIP, frame_of, short_twin, written
@@ -398,7 +399,8 @@ class Table:
                 {"ship": nw.Ship(210.0, 30.0, 10.0, 0.65), "canal": nw.Canal(300.0, 16.0), "water": nw.Water(1000.0),
                  "kind": "bulk", "speed": 6.0, "propeller": nw.Propeller(6.0, 1.5, 0.3, 0.4, -0.4, 0.0),
                  "rudder": nw.Rudder(40.0, 2.7, 1.0, 0.5, 0.7, -0.9, 0.4, 0.4),
-                 "steering": nw.SteeringGear(30.0, 3.0)},
+                 "steering": nw.SteeringGear(30.0, 3.0),
+                 "calibration": replace(read_calibration(), correlation=np.eye(11))},
             ),
         }  # fmt: skip
 

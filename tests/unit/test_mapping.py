@@ -148,7 +148,7 @@ def test_plan_takes_one_condition_and_stays_within_its_speeds(cli) -> None:
     assert "Speeds are within those tested, " in out
     code, _, err = cli("plan", ship, "--condition", "C0101A02", "--runs", "2")
     assert code == 2
-    assert "give those by --after" in err
+    assert "--condition goes with --after" in err
 
 
 def test_what_stands_in_brackets_is_printed_as_it_is(ship_file: Path, tmp_path: Path, cli) -> None:

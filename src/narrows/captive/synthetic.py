@@ -25,11 +25,6 @@ class TowedRun:
     speed: float
     duration: float
 
-    @property
-    def length(self) -> float:
-        """Approximate length of tank needed [m]."""
-        return self.duration * self.speed
-
     def columns(self, rate: float) -> Columns:
         """Return time, motion and accelerations at each sample, by the sampling ``rate`` [Hz]."""
         t = np.arange(round(self.duration * rate)) / rate

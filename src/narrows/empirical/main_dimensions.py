@@ -1,7 +1,7 @@
 """A model from checked main dimensions: hull, propeller, rudder by formulas, banks from other ships, and errors."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -39,7 +39,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.model.tables import table_named
 from narrows.quantities.names import GRAVITY, KNOT
-from narrows.ship.actuators import Part, Propeller, Rudder, SteeringGear
+from narrows.ship.actuators import Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_number, is_finite
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
@@ -66,7 +66,7 @@ NEEDED = ("length", "beam", "draft", "block_coefficient")
 def estimate_model(
     ship: Ship | Mapping[str, Any], canal: Canal, water: Water = SEA, *, kind: str | None = None,
     speed: float | None = None, propeller: Propeller | None = None, rudder: Rudder | None = None,
-    steering: SteeringGear | None = None,
+    steering: SteeringGear | None = None, calibration: Calibration = ALL_SHIPS,
 ) -> Model:  # fmt: skip
     """Estimate the model of a ship from its main dimensions, with the errors of the formulas on known ships.
 
@@ -90,6 +90,8 @@ def estimate_model(
         Service speed for the propeller's revolutions; usual for the kind unless given.
     propeller, rudder, steering : Propeller, Rudder, SteeringGear, optional
         Estimated if not given; the default gear is that of the rules.
+    calibration : Calibration
+        Errors of the formulas; those on all known ships unless given.
 
     Examples
     --------
@@ -99,14 +101,6 @@ def estimate_model(
     >>> model.terms.name
     'mmg+distance'
     """
-    return estimated(ship, canal, water, kind, speed, propeller, rudder, steering, ALL_SHIPS)
-
-
-def estimated(
-    ship: Ship | Mapping[str, Any], canal: Canal, water: Water, kind: str | None, speed: float | None,
-    propeller: Propeller | None, rudder: Rudder | None, steering: SteeringGear | None, calibration: Calibration,
-) -> Model:  # fmt: skip
-    """Estimate with a given calibration, for leaving a ship out."""
     parts = {"propeller": propeller, "rudder": rudder, "steering": steering}
     check_types(ship, canal, water, **parts)
     known, filled = _completed(ship, kind)
@@ -299,36 +293,28 @@ def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
         )
 
 
-def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Part | None]) -> None:
+def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Any]) -> None:
     """Raise if a particular is out of proportion to the ship: another unit, or a share of the ship."""
-    for place, value, size, of, (low, high), remedy in _proportions(ship, water, parts):
-        if not low * size <= value <= high * size:
-            raise InputError(
-                f"{place} = {value:.4g} is {value / size:.3g} times {of}, outside {low:g} to {high:g}; {remedy}"
-            )
-
-
-def _proportions(
-    ship: Ship, water: Water, parts: Mapping[str, Any]
-) -> Iterator[tuple[str, float, float, str, tuple[float, float], str]]:
-    """Particulars, a size of the ship and its words, the widest range of their ratio (no wrong unit), and a remedy."""
     displaced = water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
-    if ship.mass is not None:
-        yield "[ship] mass", ship.mass, displaced, "the displaced water", (0.7, 1.4), "give it in kg"
-    if ship.inertia is not None:
-        square = (ship.mass or displaced) * ship.length**2
-        yield "[ship] inertia", ship.inertia, square, "mass x length^2", (0.02, 0.2), "give it in kg m2"
-    if ship.x_g is not None:
-        yield "[ship] x_g", ship.x_g, ship.length, "the length", (-0.1, 0.1), "give metres forward of midship"
-    propeller, rudder, steering = (parts[name] for name in ("propeller", "rudder", "steering"))
-    if propeller is not None:
-        diameter, pace = propeller.diameter, math.sqrt(GRAVITY * ship.length) / propeller.diameter
-        yield "[propeller] diameter", diameter, ship.draft, "the draft", (0.15, 1.2), "give it in metres"
-        remedy, words = "give revolutions per second, not per minute", "(g L)^(1/2) over the diameter"
-        yield "[propeller] revolutions", propeller.revolutions, pace, words, (0.0, 1.5), remedy
-    if rudder is not None:
-        lateral, remedy = ship.length * ship.draft, "give it in m2, not as a share"
-        yield "[rudder] area", rudder.area, lateral, "L x T", (0.005, 0.1), remedy
-    if steering is not None:
-        remedy = "give degrees, not radians"
-        yield "[steering] limit_deg", steering.limit_deg, 35.0, "the usual 35 degrees", (0.1, 2.6), remedy
+    mass, pace = ship.mass or displaced, math.sqrt(GRAVITY * ship.length)
+    diameter = getattr(parts["propeller"], "diameter", 1.0)
+    # Of a particular: the size of the ship that it is compared with, in words, the widest range of their ratio (no
+    # wrong unit), and a remedy.
+    sizes = {
+        "ship mass": (displaced, "the displaced water", 0.7, 1.4, "give it in kg"),
+        "ship inertia": (mass * ship.length**2, "mass x length^2", 0.02, 0.2, "give it in kg m2"),
+        "ship x_g": (ship.length, "the length", -0.1, 0.1, "give metres forward of midship"),
+        "propeller diameter": (ship.draft, "the draft", 0.15, 1.2, "give it in metres"),
+        "propeller revolutions": (pace / diameter, "(g L)^(1/2) over the diameter", 0.0, 1.5,
+                                  "give revolutions per second, not per minute"),
+        "rudder area": (ship.length * ship.draft, "L x T", 0.005, 0.1, "give it in m2, not as a share"),
+        "steering limit_deg": (35.0, "the usual 35 degrees", 0.1, 2.6, "give degrees, not radians"),
+    }  # fmt: skip
+    for place, (size, words, low, high, remedy) in sizes.items():
+        section, key = place.split()
+        value = getattr({"ship": ship, **parts}[section], key, None)
+        if value is not None and not low * size <= value <= high * size:
+            raise InputError(
+                f"[{section}] {key} = {value:.4g} is {value / size:.3g} times {words}, outside {low:g} to {high:g}; "
+                f"{remedy}"
+            )
