@@ -48,24 +48,6 @@ class HarmonicRun(TowedRun):
     Raises an InputError if the kind is unknown, a number is not positive, or a yaw path is steeper than the speed
     allows.
 
-    Parameters
-    ----------
-    name : str
-        Name of the test.
-    kind : str
-        ``yaw``: along a sinusoidal path without drift; ``sway``: sideways without yaw.
-    amplitude : float [m]
-        Amplitude of y.
-    period : float [s]
-        Duration of one cycle.
-    speed : float [m/s]
-        Surge velocity.
-    cycles : int
-        Number of cycles.
-    offset : float [m]
-        Offset of the path's mean line to starboard of the centreline.
-    depth : float [m], optional
-        Depth of the water; the canal's own unless given.
 
     Examples
     --------
@@ -73,14 +55,14 @@ class HarmonicRun(TowedRun):
     12.0
     """
 
-    name: str
-    kind: str
-    amplitude: float
-    period: float
-    speed: float = 1.0
-    cycles: int = 6
-    offset: float = 0.0
-    depth: float | None = None
+    name: str  #: Name of the test
+    kind: str  #: ``yaw``: along a sinusoidal path without drift; ``sway``: sideways without yaw
+    amplitude: float  #: Amplitude of y [m]
+    period: float  #: Duration of one cycle [s]
+    speed: float = 1.0  #: Surge velocity [m/s]
+    cycles: int = 6  #: Number of cycles
+    offset: float = 0.0  #: Offset of the path's mean line to starboard of the centreline [m]
+    depth: float | None = None  #: Depth of the water [m]; the canal's own unless given
 
     def __post_init__(self) -> None:
         if self.kind not in ("yaw", "sway"):
@@ -115,20 +97,6 @@ class StraightRun(TowedRun):
 
     Raises an InputError if speed or duration are not positive, or it is towed sideways.
 
-    Parameters
-    ----------
-    name : str
-        Name of the test.
-    offset : float [m]
-        Offset to starboard of the centreline.
-    speed : float [m/s]
-        Speed along the canal.
-    duration : float [s]
-        Duration.
-    drift : float [rad]
-        Angle from the path to the bow, positive to starboard; equal to the heading, as the path is along the canal.
-    depth : float [m], optional
-        Depth of the water; the canal's own unless given.
 
     Examples
     --------
@@ -136,12 +104,13 @@ class StraightRun(TowedRun):
     0.5
     """
 
-    name: str
-    offset: float
-    speed: float = 1.0
-    duration: float = 40.0
+    name: str  #: Name of the test
+    offset: float  #: Offset to starboard of the centreline [m]
+    speed: float = 1.0  #: Speed along the canal [m/s]
+    duration: float = 40.0  #: Duration [s]
+    #: Angle from the path to the bow [rad], positive to starboard; equal to the heading, as the path is along the canal
     drift: float = 0.0
-    depth: float | None = None
+    depth: float | None = None  #: Depth of the water [m]; the canal's own unless given
 
     def __post_init__(self) -> None:
         self._check_positive("speed", "duration")

@@ -298,8 +298,8 @@ def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Any]) -> Non
     displaced = water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
     mass, pace = ship.mass or displaced, math.sqrt(GRAVITY * ship.length)
     diameter = getattr(parts["propeller"], "diameter", 1.0)
-    # Of a particular: the size of the ship that it is compared with, in words, the widest range of their ratio (no
-    # wrong unit), and a remedy.
+    # The size of the ship that each is compared with, in words, the widest range of their ratio (no wrong unit), and a
+    # remedy.
     sizes = {
         "ship mass": (displaced, "the displaced water", 0.7, 1.4, "give it in kg"),
         "ship inertia": (mass * ship.length**2, "mass x length^2", 0.02, 0.2, "give it in kg m2"),

@@ -37,12 +37,6 @@ SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 class Comparison(BaseResult):
     """Fits of several tables of terms to the same tests.
 
-    Parameters
-    ----------
-    fits : mapping of str to Fit
-        Fits by the name of the table.
-    left_out : mapping of str to str
-        Tables that were not fitted, and why.
 
     Examples
     --------
@@ -50,8 +44,8 @@ class Comparison(BaseResult):
     ['paper', 'speed']
     """
 
-    fits: Mapping[str, Fit]
-    left_out: Mapping[str, str]
+    fits: Mapping[str, Fit]  #: Fits by the name of the table
+    left_out: Mapping[str, str]  #: Tables that were not fitted, and why
 
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(self.fits)}>"
@@ -169,27 +163,13 @@ def compare(
 
 @dataclass(frozen=True, repr=False)
 class Explanation(BaseResult):
-    """A model on a table of tests, whether or not it was fitted on them.
+    """A model on a table of tests, whether or not it was fitted on them."""
 
-    Parameters
-    ----------
-    model : Model
-        The model.
-    fit : Fit
-        The same terms fitted to these tests alone.
-    scores : mapping of str to Score
-        Error of the model's own coefficients on these tests.
-    by_test : mapping of str to mapping of str to Score
-        The same for each test: test -> force -> score.
-    comparison : Comparison
-        Other tables of terms on these tests.
-    """
-
-    model: Model
-    fit: Fit
-    scores: Mapping[str, Score]
-    by_test: Mapping[str, Mapping[str, Score]]
-    comparison: Comparison
+    model: Model  #: The model
+    fit: Fit  #: The same terms fitted to these tests alone
+    scores: Mapping[str, Score]  #: Error of the model's own coefficients on these tests
+    by_test: Mapping[str, Mapping[str, Score]]  #: The same for each test: test -> force -> score
+    comparison: Comparison  #: Other tables of terms on these tests
 
     def __repr__(self) -> str:
         return f"<Explanation of a model of {self.model.configuration.ship.name or 'a ship'}: {self.fit!r}>"

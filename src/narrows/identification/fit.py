@@ -40,20 +40,6 @@ if TYPE_CHECKING:
 class Fit(Prediction):
     """A fitted table of terms: estimates, intervals, verdicts and diagnostics.
 
-    Parameters
-    ----------
-    tests : CaptiveTests, StreamedTests or a part of them
-        The fitted tests.
-    normal_equations : NormalEquations
-        Sums over the rows.
-    problem : Problem
-        The terms, their bounds and ties.
-    left_out : mapping of str to Score
-        R2 and RMSE of each force on distinct motions left out in turn.
-    data_range : DataRange
-        Ranges that the rows cover.
-    errors : RunErrors
-        Prior sizes of the differences between runs beyond their noise.
 
     Examples
     --------
@@ -61,12 +47,12 @@ class Fit(Prediction):
     'not separable'
     """
 
-    tests: Tests
-    normal_equations: NormalEquations
-    problem: Problem
-    left_out: Mapping[str, Score]
-    data_range: DataRange
-    errors: RunErrors
+    tests: Tests  #: The fitted tests
+    normal_equations: NormalEquations  #: Sums over the rows
+    problem: Problem  #: The terms, their bounds and ties
+    left_out: Mapping[str, Score]  #: R2 and RMSE of each force on distinct motions left out in turn
+    data_range: DataRange  #: Ranges that the rows cover
+    errors: RunErrors  #: Prior sizes of the differences between runs beyond their noise
     __eq__ = same_content
 
     def __repr__(self) -> str:

@@ -190,22 +190,6 @@ class Tank:
 
     Raises an InputError if a number is not positive.
 
-    Parameters
-    ----------
-    run_length : float [m], optional
-        Steady motion in one run; ten ship lengths unless given.
-    clearance : float [1]
-        Least distance from the hull's side to a wall, over the beam: closer to it, every form of the bank term is
-        uncertain.
-    heading : float [deg]
-        Largest heading in a yaw test, and drift angle in a sway test.
-    speeds : sequence of float [m/s]
-        Speeds of runs; three slow ones by the ship's length unless given.
-    depths : sequence of float [m]
-        Depths of runs; the canal's own unless given.
-    reach : float, optional
-        Largest offset of midship from the centreline [m]; default: three quarters of the limit by the clearance, since
-        every form of the bank errs most close to a wall.
 
     Examples
     --------
@@ -213,11 +197,15 @@ class Tank:
     (0.6, 0.8)
     """
 
-    run_length: float | None = None
+    run_length: float | None = None  #: Steady motion in one run [m]; ten ship lengths unless given
+    #: Least distance from the hull's side to a wall [1], over the beam: closer to it, every form of the bank term is
+    #: uncertain
     clearance: float = 1.5
-    heading: float = 25.0
-    speeds: Sequence[float] = ()
-    depths: Sequence[float] = ()
+    heading: float = 25.0  #: Largest heading in a yaw test [deg], and drift angle in a sway test
+    speeds: Sequence[float] = ()  #: Speeds of runs [m/s]; three slow ones by the ship's length unless given
+    depths: Sequence[float] = ()  #: Depths of runs [m]; the canal's own unless given
+    #: Largest offset of midship from the centreline [m]; default: three quarters of the limit by the clearance, since
+    #: every form of the bank errs most close to a wall
     reach: float | None = None
 
     def __post_init__(self) -> None:

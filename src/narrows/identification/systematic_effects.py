@@ -76,33 +76,20 @@ class RunErrors(Aliased):
     of repeats in the bundled KCS tests (1.1 to 3.4 % of a force).
 
     Raises an InputError where a size is negative, or as large as the force itself.
-
-    Parameters
-    ----------
-    gain : float [1]
-        Gain of a run: each force is off by this share of itself.
-    zero : float [1]
-        Zero of a run, over the force's root mean square in all tests.
-    form : float [1]
-        Model error of a motion, over the motion's own force; the same in every repeat of it.
-    scatter : float [1]
-        Scatter from run to run in any direction, over the force's root mean square in all tests.
-    hull : float [1]
-        Multiplies the usual sizes of what changes hull terms: speed, period, depth, straight runs, walls.
-    bank : float [1]
-        Multiplies the usual sizes of what changes the bank's term: its form, sides and speeds. These are assumed, like
-        those of straight runs against harmonic ones. Fits of the KCS and Lataire tests nearly return their priors.
-    campaign : float [1]
-        Multiplies the usual sizes of errors that runs share: forces, headings and rudder angles that go with y, rail,
-        clock, gauges. The sizes themselves are listed in ``docs/uncertainty.md``.
     """
 
-    gain: float = 0.02
-    zero: float = 0.02
-    form: float = 0.02
+    gain: float = 0.02  #: Gain of a run [1]: each force is off by this share of itself
+    zero: float = 0.02  #: Zero of a run [1], over the force's root mean square in all tests
+    form: float = 0.02  #: Model error of a motion [1], over the motion's own force; the same in every repeat of it
+    #: Scatter from run to run in any direction [1], over the force's root mean square in all tests
     scatter: float = 0.003
+    #: Multiplies the usual sizes of what changes hull terms [1]: speed, period, depth, straight runs, walls
     hull: float = 1.0
+    #: Multiplies the usual sizes of what changes the bank's term [1]: its form, sides and speeds. These are assumed,
+    #: like those of straight runs against harmonic ones. Fits of the KCS and Lataire tests nearly return their priors.
     bank: float = 1.0
+    #: Multiplies the usual sizes of errors that runs share [1]: forces, headings and rudder angles that go with y,
+    #: rail, clock, gauges. The sizes themselves are listed in ``docs/uncertainty.md``.
     campaign: float = 1.0
 
     def __post_init__(self) -> None:

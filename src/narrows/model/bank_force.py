@@ -30,31 +30,17 @@ ALONG = math.pi / 4
 
 @dataclass(frozen=True, repr=False)
 class BankForce(BaseResult):
-    """The force of the banks on a ship; arrays for array inputs.
+    """The force of the banks on a ship; arrays for array inputs."""
 
-    Parameters
-    ----------
-    Y : number [N]
-        Sway force, positive to starboard.
-    N : number [N m]
-        Yaw moment about midship, positive if it turns the bow to starboard.
-    Y_deviation : number [N]
-        Standard deviation of ``Y`` from the uncertainty of the coefficients; NaN without a covariance.
-    N_deviation : number [N m]
-        Standard deviation of ``N``.
-    beyond : number
-        0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth,
-        and 64 if the hull touches a bank. Where no range of headings is known, a heading over 45 degrees counts.
-    notes : tuple of str
-        Limits of the tests: coefficients they do not determine, ranges they did not cover.
-    """
-
-    Y: Number
-    N: Number
+    Y: Number  #: Sway force [N], positive to starboard
+    N: Number  #: Yaw moment about midship [N m], positive if it turns the bow to starboard
+    #: Standard deviation of ``Y`` from the uncertainty of the coefficients [N]; NaN without a covariance
     Y_deviation: Number
-    N_deviation: Number
+    N_deviation: Number  #: Standard deviation of ``N`` [N m]
+    #: 0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth,
+    #: and 64 if the hull touches a bank. Where no range of headings is known, a heading over 45 degrees counts.
     beyond: Number
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  #: Limits of the tests: coefficients they do not determine, ranges they did not cover
 
     def __iter__(self) -> Iterator[Number]:
         """Y and N, as in ``Y, N = nw.bank_force(model, y, u)``."""

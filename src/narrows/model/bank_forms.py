@@ -44,18 +44,6 @@ PUBLISHED, REFITTED, NEW = "published", "form of another, coefficients refitted"
 class BankForm(BaseSummary):
     """A form of the bank term.
 
-    Parameters
-    ----------
-    name : str
-        As in ``paper+keel_gap``.
-    parameters : mapping of str to callable
-        Pressure parameters, by the coefficients' ending: ``bank`` for b_bank and c_bank.
-    source : str
-        Its source.
-    validity : str
-        Range of validity.
-    status : str
-        ``published``, ``form of another, coefficients refitted`` or ``new in narrows``.
 
     Examples
     --------
@@ -63,11 +51,12 @@ class BankForm(BaseSummary):
     'delta'
     """
 
-    name: str
+    name: str  #: As in ``paper+keel_gap``
+    #: Pressure parameters, by the coefficients' ending: ``bank`` for b_bank and c_bank
     parameters: Mapping[str, Callable[..., Number]]
-    source: str
-    validity: str
-    status: str
+    source: str  #: Its source
+    validity: str  #: Range of validity
+    status: str  #: ``published``, ``form of another, coefficients refitted`` or ``new in narrows``
 
     def summary(self) -> str:
         return f"{self.name}, {self.status}: {self.source}"

@@ -44,20 +44,6 @@ AHEAD = (0.0, 1000.0)
 class DataRange(Aliased):
     """Ranges covered by the data; None if unknown.
 
-    Parameters
-    ----------
-    speed : pair of float [m/s]
-        Surge velocity.
-    abs_y : pair of float [m]
-        Distance off the centreline.
-    abs_psi : pair of float [rad]
-        Absolute heading.
-    abs_r : pair of float [rad/s]
-        Absolute yaw rate.
-    depth_to_draft : pair of float [1]
-        h/T.
-    width_to_beam : pair of float [1]
-        W/B.
 
     Examples
     --------
@@ -65,12 +51,12 @@ class DataRange(Aliased):
     True
     """
 
-    speed: Range | None = None
-    abs_y: Range | None = None
-    abs_psi: Range | None = None
-    abs_r: Range | None = None
-    depth_to_draft: Range | None = None
-    width_to_beam: Range | None = None
+    speed: Range | None = None  #: Surge velocity [m/s]
+    abs_y: Range | None = None  #: Distance off the centreline [m]
+    abs_psi: Range | None = None  #: Absolute heading [rad]
+    abs_r: Range | None = None  #: Absolute yaw rate [rad/s]
+    depth_to_draft: Range | None = None  #: h/T [1]
+    width_to_beam: Range | None = None  #: W/B [1]
 
     def describe(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
         """Return a range in words.

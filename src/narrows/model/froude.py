@@ -31,21 +31,11 @@ USUAL_FROUDE = 0.12  # Froude number by length of ships in canals, for models wh
 
 @dataclass(frozen=True, repr=False)
 class DerivedModel(BaseResult):
-    """A model made of another.
+    """A model made of another."""
 
-    Parameters
-    ----------
-    model : Model
-        The new model.
-    original : Model
-        The model that it was made of.
-    notes : tuple of str
-        Effects that are not corrected, and quantities outside the tested range.
-    """
-
-    model: Model
-    original: Model
-    notes: tuple[str, ...]
+    model: Model  #: The new model
+    original: Model  #: The model that it was made of
+    notes: tuple[str, ...]  #: Effects that are not corrected, and quantities outside the tested range
 
     def to_dict(self) -> dict[str, Any]:
         old, terms = self.original.coefficients, self.original.terms
@@ -64,21 +54,9 @@ class DerivedModel(BaseResult):
 
 @dataclass(frozen=True, repr=False)
 class Scaled(DerivedModel):
-    """A model at another scale, and the effects that do not scale.
+    """A model at another scale, and the effects that do not scale."""
 
-    Parameters
-    ----------
-    model : Model
-        The model at the new scale.
-    original : Model
-        The model at the original scale.
-    notes : tuple of str
-        Effects that do not scale, and quantities outside the tested range in the new water.
-    ratio : float [1]
-        New length over old.
-    """
-
-    ratio: float
+    ratio: float  #: New length over old [1]
 
     def speed(self, speed: float) -> float:
         """Return the speed at the new scale with the Froude number of one at the old [m/s].

@@ -86,22 +86,6 @@ class Model(Configured, Operations):
 
     Raises an InputError if a coefficient is missing, unknown or not finite, or a verdict is unknown.
 
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship, canal and water.
-    terms : TermTable
-        The terms.
-    coefficients : mapping of str to float
-        One value for each term, in the term's own SI unit.
-    covariance : array (n, n), optional
-        Covariance of the coefficients, in the order of ``terms.names``.
-    data_range : DataRange
-        Tested range of the data.
-    source : Source
-        Origin of the numbers.
-    verdicts : mapping of str to str
-        Verdict on each coefficient, in a word or two; empty without a fit.
 
     Examples
     --------
@@ -110,12 +94,13 @@ class Model(Configured, Operations):
     14.22
     """
 
-    configuration: Configuration
-    terms: TermTable
-    coefficients: Mapping[str, float]
-    covariance: np.ndarray | None = None
-    data_range: DataRange = field(default_factory=DataRange)
-    source: Source = field(default_factory=Source)
+    configuration: Configuration  #: Ship, canal and water
+    terms: TermTable  #: The terms
+    coefficients: Mapping[str, float]  #: One value for each term, in the term's own SI unit
+    covariance: np.ndarray | None = None  #: Covariance of the coefficients, in the order of ``terms.names``
+    data_range: DataRange = field(default_factory=DataRange)  #: Tested range of the data
+    source: Source = field(default_factory=Source)  #: Origin of the numbers
+    #: Verdict on each coefficient, in a word or two; empty without a fit
     verdicts: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -21,24 +21,12 @@ REQUIRED = (*PARTS, "terms", "coefficients")
 
 @dataclass(frozen=True)
 class Source:
-    """Origin of the numbers.
+    """Origin of the numbers."""
 
-    Parameters
-    ----------
-    text : str
-        A citation, or the method.
-    table : str
-        File name of the table of tests.
-    sha256 : str
-        Hash of that file.
-    estimate : str
-        Data behind an estimated model, in sentences, if the ship was not tested.
-    """
-
-    text: str = ""
-    table: str = ""
-    sha256: str = ""
-    estimate: str = ""
+    text: str = ""  #: A citation, or the method
+    table: str = ""  #: File name of the table of tests
+    sha256: str = ""  #: Hash of that file
+    estimate: str = ""  #: Data behind an estimated model, in sentences, if the ship was not tested
 
 
 def sections_of(

@@ -28,16 +28,6 @@ VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
 class SquatFormula:
     """A squat formula.
 
-    Parameters
-    ----------
-    function : callable
-        Function; its arguments are names of the vocabulary.
-    gives : str
-        Kind of sinkage: ``midship``, ``bow``, ``largest`` or ``mean``.
-    status : str
-        Reliability of the formula.
-    limits : mapping of str to pair of float [1]
-        Range of validity: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``.
 
     Examples
     --------
@@ -45,9 +35,10 @@ class SquatFormula:
     'bow'
     """
 
-    function: Callable[..., Number]
-    gives: str
-    status: str
+    function: Callable[..., Number]  #: Function; its arguments are names of the vocabulary
+    gives: str  #: Kind of sinkage: ``midship``, ``bow``, ``largest`` or ``mean``
+    status: str  #: Reliability of the formula
+    #: Range of validity [1]: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
@@ -73,29 +64,14 @@ SQUAT = {
 
 @dataclass(frozen=True, repr=False)
 class Squat(BaseResult):
-    """A sinkage and its formula.
+    """A sinkage and its formula."""
 
-    Parameters
-    ----------
-    sinkage : float [m]
-        Downward.
-    formula : str
-        Its name in ``SQUAT``.
-    gives : str
-        Kind of sinkage.
-    critical_speed : float [m/s]
-        Speed at which the canal chokes.
-    notes : tuple of str
-        Uses outside the formula's range, or an unverified formula.
-    of : tuple of Configuration and float, optional
-        Ship and speed [m/s], for the sinkage of other places: ``bow``, ``midship``, ``largest``.
-    """
-
-    sinkage: float
-    formula: str
-    gives: str
-    critical_speed: float
-    notes: tuple[str, ...]
+    sinkage: float  #: Sinkage [m]
+    formula: str  #: Its name in ``SQUAT``
+    gives: str  #: Kind of sinkage
+    critical_speed: float  #: Speed at which the canal chokes [m/s]
+    notes: tuple[str, ...]  #: Uses outside the formula's range, or an unverified formula
+    #: Ship and speed [m/s], for the sinkage of other places: ``bow``, ``midship``, ``largest``
     of: tuple[Configuration, float] | None = field(default=None, compare=False)
 
     def to_dataframe(self) -> "pd.DataFrame":

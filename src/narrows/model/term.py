@@ -89,30 +89,6 @@ class Term(BaseSummary):
     Raises an InputError if the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's
     width although its kind is not ``bank``.
 
-    Parameters
-    ----------
-    name : str
-        Name of the coefficient, as in ``b_vdot``.
-    symbol : str
-        The coefficient in LaTeX.
-    regressor : callable
-        A function of arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``; its arguments are names of
-        the vocabulary and define the inputs of the term. A composed one lists them in an attribute ``inputs``, in the
-        order of its arguments.
-    dimension : Dimension
-        Dimension of the coefficient.
-    bound : tuple of float
-        Lowest and highest value of the coefficient, in its own unit.
-    kind : TermKind
-        Kind of the term.
-    source : str
-        Source of the term.
-    depth_law : DepthLaw, optional
-        Growth of the coefficient relative to deep water, if known.
-    scale_effect : ScaleEffect, optional
-        Effect by which the coefficient deviates from Froude's law.
-    actuator : Actuator, optional
-        The user's own actuator, whose quantities the regressor uses besides those of the vocabulary.
 
     Examples
     --------
@@ -120,15 +96,19 @@ class Term(BaseSummary):
     'kg/s'
     """
 
-    name: str
-    symbol: str
+    name: str  #: Name of the coefficient, as in ``b_vdot``
+    symbol: str  #: The coefficient in LaTeX
+    #: A function of arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``; its arguments are names of
+    #: the vocabulary and define the inputs of the term. A composed one lists them in an attribute ``inputs``, in the
+    #: order of its arguments.
     regressor: Callable[..., Number]
-    dimension: Dimension
-    bound: Bound = FREE
-    kind: TermKind = TermKind.OTHER
-    source: str = ""
-    depth_law: DepthLaw | None = None
-    scale_effect: ScaleEffect | None = None
+    dimension: Dimension  #: Dimension of the coefficient
+    bound: Bound = FREE  #: Lowest and highest value of the coefficient, in its own unit
+    kind: TermKind = TermKind.OTHER  #: Kind of the term
+    source: str = ""  #: Source of the term
+    depth_law: DepthLaw | None = None  #: Growth of the coefficient relative to deep water, if known
+    scale_effect: ScaleEffect | None = None  #: Effect by which the coefficient deviates from Froude's law
+    #: The user's own actuator, whose quantities the regressor uses besides those of the vocabulary
     actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
@@ -200,16 +180,6 @@ class TermTable(BaseSummary):
     Raises an InputError if there are no terms, two terms or two actuators share a name, a term has the name of a force,
     or a tie names no term.
 
-    Parameters
-    ----------
-    name : str
-        Name of the table in model files.
-    surge, sway, yaw : tuple of Term
-        The terms of X [N], Y [N] and N [N m].
-    ties : tuple of pairs of str
-        Coefficients held equal.
-    letters : tuple of str
-        First letters of the coefficients in X, Y and N.
 
     Examples
     --------
@@ -217,12 +187,12 @@ class TermTable(BaseSummary):
     17
     """
 
-    name: str
-    surge: tuple[Term, ...]
-    sway: tuple[Term, ...]
-    yaw: tuple[Term, ...]
-    ties: tuple[tuple[str, str], ...] = ()
-    letters: tuple[str, str, str] = LETTERS
+    name: str  #: Name of the table in model files
+    surge: tuple[Term, ...]  #: Terms of the surge force [N]
+    sway: tuple[Term, ...]  #: Terms of the sway force [N]
+    yaw: tuple[Term, ...]  #: Terms of the yaw moment [N m]
+    ties: tuple[tuple[str, str], ...] = ()  #: Coefficients held equal
+    letters: tuple[str, str, str] = LETTERS  #: First letters of the coefficients in X, Y and N
 
     def __post_init__(self) -> None:
         names = self.names
