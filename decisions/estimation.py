@@ -31,8 +31,9 @@ from narrows.estimation import (
     consistency,
 )
 from narrows.estimation.consistency import sail_twins
+from narrows.estimation.states import described
 from narrows.model.tables import table_named
-from narrows.report.figures import track_figure
+from narrows.report.figures import IN_DEGREES, SHOWN
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.helms import track_pilot
@@ -136,7 +137,12 @@ def told_to_bridge() -> tuple[EstimatedTrack, np.ndarray]:
 
 def figure() -> Any:
     """Estimate, truth and band of that twin."""
-    return track_figure(*told_to_bridge())
+    track, truth = told_to_bridge()
+    drawn = track.plot()
+    for axes, name in zip(drawn.axes, (name for name in SHOWN if name in track.states), strict=True):
+        factor = IN_DEGREES.get(described(name)[0], ("", 1.0))[1]
+        axes.plot(track.t, factor * truth[:, track.states.index(name)], "k--", linewidth=1.0)
+    return drawn
 
 
 if __name__ == "__main__":

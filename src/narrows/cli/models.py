@@ -43,7 +43,7 @@ def scale(
     delivery.show(scaled.to_dict, lambda: print_scaled(scaled))
 
 
-@verb("narrows export c mikkelsen2025_dtc -o dtc.h", needs=OF_WATERWAY | {"helm_speed": "hold"})
+@verb("narrows export c mikkelsen2025_dtc -o dtc.h", needs=OF_WATERWAY)
 def export(
     kind: Annotated[str, Argument(help=WHAT)],
     model: ModelFile,
@@ -52,7 +52,6 @@ def export(
     water: WaterOptions,
     fmi: Annotated[int, "FMI version of an FMU: 2 or 3."] = 2,
     hold: Annotated[float | None, "Offset [m] held by a helm in the file."] = None,
-    helm_speed: Annotated[Speed, "Design speed of the helm: 4m/s, 8kn; default: one that suits the ship."] = None,
     json: AsJson = False,
 ) -> None:
     """Export a model: C, C++, JavaScript, MATLAB, FMU and more.
@@ -61,13 +60,15 @@ def export(
 
     MODEL is a model file, or the name of a published model.
     """
+    from narrows.simulation.initial_state import voyage_defaults
+
     if kind not in EXPORTERS:
         kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
         raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
     exporter = EXPORTERS[kind]
     ship, way = model_named(model), water.read()
     options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics)}
-    options["controller"] = _helm(ship, hold, helm_speed, way)
+    options["controller"] = HelmOptions(hold=hold).of(ship, voyage_defaults(ship).speed, 0.0, way)
     for name, why in exporter.refused.items():
         if options[name] is not None:
             raise InputError(why)
@@ -78,14 +79,6 @@ def export(
     notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
     shown = {"summary": f"wrote {output}", "kind": kind, "output": str(output), "platforms": platforms, "notes": notes}
     Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))
-
-
-def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.Waterway | None") -> Any:
-    if hold is None:
-        return None
-    from narrows.simulation.initial_state import voyage_defaults
-
-    return HelmOptions(hold=hold).of(model, float(voyage_defaults(model).speed) if speed is None else speed, 0.0, way)
 
 
 @dataclass(frozen=True)

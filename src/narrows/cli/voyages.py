@@ -44,13 +44,6 @@ class StartOptions:
 
 
 @dataclass(frozen=True)
-class PushOptions:
-    X: Annotated[float, "External surge force [N]."] = 0.0
-    Y: Annotated[float, "External sway force [N]."] = 0.0
-    N: Annotated[float, "External yaw moment [N m]."] = 0.0
-
-
-@dataclass(frozen=True)
 class HelmOptions:
     rudder_deg: Annotated[float, "Rudder angle [deg], positive to starboard; for models with a rudder."] = 0.0
     hold: Annotated[float | None, "Offset held by a helm [m], for models with a rudder."] = None
@@ -171,7 +164,6 @@ OFFSETS = 101
 def simulate(
     model: cli.ModelFile,
     start: StartOptions,
-    push: PushOptions,
     helm: HelmOptions,
     time: TimeOptions,
     physics: PhysicsOptions,
@@ -190,7 +182,7 @@ def simulate(
 
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.speed is None else start.speed
-    options: dict[str, Any] = start.values() | vars(push) | vars(time) | vars(physics) | {"bottom": bottom}
+    options: dict[str, Any] = start.values() | vars(time) | vars(physics) | {"bottom": bottom}
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = nw.simulate(
         chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options

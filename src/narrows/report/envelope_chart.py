@@ -1,4 +1,4 @@
-"""The envelope chart for pilots: where the ship is safe, the rudder that holds it, a table; along a waterway."""
+"""The envelope chart for pilots: where the ship is safe, and the rudder that holds it; along a waterway."""
 
 import math
 import textwrap
@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
-from narrows.report.printed_tables import cells_of, console_of, is_verbose, print_notes, print_result, table_of, thinned
+from narrows.report.printed_tables import console_of, is_verbose, print_notes, print_result, table_of, thinned
 from narrows.report.style import (
     BLACK,
     BLUE,
@@ -50,15 +50,14 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
         return figure
     with rc_context(FONT):
         figure = Picture(figsize=PAGE, layout="constrained")
-        grid = figure.add_gridspec(4, 1, height_ratios=(3.2, 2.3, 2.7, 0.7))
+        grid = figure.add_gridspec(3, 1, height_ratios=(4.0, 3.4, 0.7))
         speeds = figure.add_subplot(grid[0])
         rudder = figure.add_subplot(grid[1], sharex=speeds)
         keys = _draw_speeds(speeds, envelope)
         _draw_rudder(rudder, envelope)
         for panel in (speeds, rudder):
             _draw_banks(panel, envelope)
-        _draw_table(figure.add_subplot(grid[2]), envelope)
-        foot, said = figure.add_subplot(grid[3]), envelope.summary()
+        foot, said = figure.add_subplot(grid[2]), envelope.summary()
         others = (note for note in envelope.notes if note.partition(". ")[0] not in said)
         notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
         foot.axis("off")
@@ -213,31 +212,10 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
 
 
-CHART_COLUMNS = {
-    "offset\n[m]": "{offset:+.1f}", "safe speeds\n[knots]": "{lowest_speed:.1f} to {highest_speed:.1f}",
-    "held: same pilot;\ntrue coefficients": "{held:.0%}; {known:.0%}", "rudder, 95 %\n[deg]": "{rudder_95:.0f}",
-    "what limits it": "{limited_by}",
-}  # fmt: skip
-WIDTHS = (0.11, 0.17, 0.24, 0.17, 0.31)
-# Heights relative to the column: the head of the table, a row of it.
-HEAD, ROW = 0.1, 0.047
-# Font size of table and notes [pt], legible on paper.
+# Font size of the notes [pt], legible on paper.
 SMALL = 7.2
 # Notes of one line, and their letters at that size; the terminal and the JSON have all notes.
 MOST_NOTES, LETTERS = 6, 145
-
-
-def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
-    axes.axis("off")
-    rows, most = envelope.offset_rows(), int((1 - HEAD) / ROW)
-    stride = -(-len(rows) // most)
-    cells = cells_of(CHART_COLUMNS, rows[(len(rows) // 2) % stride :: stride])
-    table = axes.table(cells, colLabels=[*CHART_COLUMNS], loc="upper center", cellLoc="center", colWidths=WIDTHS)
-    table.auto_set_font_size(False)
-    table.set_fontsize(SMALL)
-    for (row, _), cell in table.get_celld().items():
-        cell.set_linewidth(0.3)
-        cell.set_height(ROW if row else HEAD)
 
 
 def print_envelope(envelope: SafeEnvelope) -> None:

@@ -63,21 +63,18 @@ def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = Non
         return force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
 
 
-def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
+def track_figure(track: EstimatedTrack) -> Figure:
     names = [name for name in SHOWN if name in track.states]
-    first = int(truth is not None)
-    figure, axes = panels(first + len(names), 1, 1.1 + 0.95 * (first + len(names)), sharex=True)
-    if truth is not None:
-        place, axis = track.states.index("y"), axes[0, 0]
-        wide = NORMAL_95 * track.std[:, place]
-        axis.fill_between(track.t, -wide, wide, color=BLUE, alpha=0.25, linewidth=0)
-        axis.plot(track.t, track.mean[:, place] - truth[:, place], color=BLUE)
-        axis.set_ylabel("error of y [m]", fontsize=8)
-    for axis, name in zip(axes[first:, 0], names, strict=True):
-        _state(axis, track, name, None if truth is None else truth[:, track.states.index(name)])
-    for axis in axes[:, 0]:
+    figure, axes = panels(len(names), 1, 1.1 + 0.95 * len(names), sharex=True)
+    for axis, name in zip(axes[:, 0], names, strict=True):
+        place = track.states.index(name)
+        unit, factor = IN_DEGREES.get(described(name)[0], (described(name)[0], 1.0))
+        mean, wide = factor * track.mean[:, place], NORMAL_95 * factor * track.std[:, place]
+        axis.fill_between(track.t, mean - wide, mean + wide, color=BLUE, alpha=0.25, linewidth=0, label="95 % band")
+        axis.plot(track.t, mean, color=BLUE, label="estimate")
+        axis.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
         _mark(axis, track)
-    handles, labels = axes[first, 0].get_legend_handles_labels()
+    handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
     axes[-1, 0].set_xlabel("time [s]")
     notes_below(figure, track.notes)
@@ -165,17 +162,6 @@ MOST_BARS, MOST_COLUMNS = 60, 3
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
 SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "gyro_bias")
 NORMAL_95 = 1.959964
-
-
-def _state(axis: Axes, track: EstimatedTrack, name: str, truth: np.ndarray | None) -> None:
-    place = track.states.index(name)
-    unit, factor = IN_DEGREES.get(described(name)[0], (described(name)[0], 1.0))
-    mean, wide = factor * track.mean[:, place], NORMAL_95 * factor * track.std[:, place]
-    axis.fill_between(track.t, mean - wide, mean + wide, color=BLUE, alpha=0.25, linewidth=0, label="95 % band")
-    axis.plot(track.t, mean, color=BLUE, label="estimate")
-    if truth is not None:
-        axis.plot(track.t, factor * truth, color=BLACK, linestyle="--", linewidth=1.0, label="truth")
-    axis.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
 
 
 def _mark(axis: Axes, track: EstimatedTrack) -> None:

@@ -188,23 +188,6 @@ def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
     return image
 
 
-MOST_TESTS = 60
-
-
-def influence_figure(fit: Fit) -> Figure:
-    """Draw the share of each coefficient's information that comes from each test."""
-    influence = fit.influence
-    influence = influence.iloc[np.sort(np.argsort(-influence.max(axis=1).to_numpy())[:MOST_TESTS])]
-    figure, axes = panels(1, 1, 1.6 + 0.13 * len(influence), "")
-    panel = axes[0, 0]
-    image = panel.imshow(influence.to_numpy(), cmap="Blues", vmin=0, vmax=1, aspect="auto")
-    panel.set_xticks(range(influence.shape[1]), influence.columns, rotation=90)
-    panel.set_yticks(range(len(influence)), influence.index, fontsize=6.5)
-    panel.set(xlabel="coefficient [-]", ylabel="test [-]")
-    figure.colorbar(image, ax=panel, label="share of information [1]", shrink=0.8)
-    return figure
-
-
 def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
     """Draw the error of each table of terms on left-out tests, and of the fit."""
     names = list(dict.fromkeys(row["table"] for row in rows))

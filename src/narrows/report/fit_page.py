@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +12,12 @@ from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.prediction import KINDS
 from narrows.identification.verdict import IDENTIFIED
-from narrows.model.data_range import MEASURES, Range
+from narrows.model.data_range import MEASURES
 from narrows.model.term import Term
 from narrows.quantities.names import name_of
 from narrows.report import fit_figures as draw
 from narrows.report.printed_tables import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
-from narrows.ship.particulars import Canal, Configuration, Ship
 
 
 def write_report(
@@ -114,28 +112,16 @@ def constraints(fit: Fit) -> str:
 
 
 def _figures(fit: Fit) -> list[dict[str, str]]:
-    tests, configuration = fit.tests, fit.tests.configuration
+    tests = fit.tests
     pictures = [
         figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
-        figure(draw.influence_figure(fit), "Share of each coefficient's information by test."),
         figure(draw.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-        *_delta_figures(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip
     if isinstance(tests, CaptiveTests):
         measured = figure(draw.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
         pictures = [measured, *pictures, figure(draw.motions_figure(tests), "The tests: motions and forces.")]
     return pictures
-
-
-@cache
-def _delta_figures(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str, str], ...]:
-    """Draw the figures that do not depend on depth: the conditions of a table share them."""
-    configuration = Configuration(ship, Canal(width))
-    return (
-        figure(draw.delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
-        figure(draw.delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
-    )
 
 
 def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
