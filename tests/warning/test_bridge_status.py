@@ -1,5 +1,6 @@
 """What a monitor says on both sides of its thresholds; a watched transit row by row; sentences by the clock."""
 
+import inspect
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -280,6 +281,12 @@ def test_a_port_is_a_number_of_16_bits(port: int, taken: bool) -> None:
         return
     with pytest.raises(nw.InputError, match="alerts go out by UDP"), sender_to(f"udp://127.0.0.1:{port}"):
         pass
+
+
+def test_an_escape_steers_to_the_line_and_an_antenna_stands_amidships_unless_told() -> None:
+    usual = inspect.signature(BridgeMonitor).parameters
+    assert [usual[name].default for name in ("line", "antenna", "members", "live")] == [0.0, (0.0, 0.0), 1000, True]
+    assert [inspect.signature(nw.Monitor).parameters[name].default for name in ("line", "members")] == [0.0, 1000]
 
 
 def test_what_is_no_command_is_none() -> None:

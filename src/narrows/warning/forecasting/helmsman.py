@@ -244,7 +244,7 @@ class FutureLanes:
         inputs = self._prepared.vessel_inputs[lanes].reshape(shape)
         own: dict[str, Any] = {name: columns[name] for name in ("x", "y", "u", "v", "r")}
         own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
-        turns = self._ship_values.get(REVOLUTIONS, 0.0) if revolutions is None else revolutions
+        turns = self._ship_values.get(REVOLUTIONS) if revolutions is None else revolutions
         own |= {REVOLUTIONS: np.full(block.ships, turns)} if self._driven else {}
         # Orders that are on their way in a gear with dead time or lag: those of the rudder as it is.
         own |= stages_at(self.ship.actuators, own.__getitem__)
@@ -270,7 +270,7 @@ class FutureLanes:
         known = np.abs(flow) >= LEAST_FLOW
         return {**currents, CURRENT: np.where(known, columns[CURRENT] / np.where(known, flow, 1.0), usual)}
 
-    def _law(self, case: Case, ships: Ships, turns: float) -> dict[str, Any]:
+    def _law(self, case: Case, ships: Ships, turns: Any) -> dict[str, Any]:
         hull, gear = self.ship.model.configuration.ship, self.ship.model.configuration.gear
         ordered = ships.rudder if case.ordered is None else case.ordered
         numbers: dict[str, Any] = {"since": case.since, "ordered": ordered}

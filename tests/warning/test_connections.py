@@ -1,0 +1,173 @@
+"""Connections that break, lines in pieces, Signal K at the ends of its ranges; the page's scene by geometry."""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from shown_page import NOW, Watched, estimate, forecast
+from transit import canal
+
+from narrows.warning.inputs.listening import Connection, LineSplitter, Piece, SignalK, connection_of
+from narrows.warning.page.bridge_page import BridgePage, Clients, address_of, request_of, scene
+
+
+class Stopper:
+    """An event that counts what it waited for, and is set after so many waits."""
+
+    def __init__(self, waits: int) -> None:
+        self.waited: list[float] = []
+        self.left = waits
+
+    def is_set(self) -> bool:
+        return self.left <= 0
+
+    def wait(self, seconds: float) -> None:
+        self.waited.append(seconds)
+        self.left -= 1
+
+
+def test_a_broken_connection_is_tried_again_each_time_twice_as_late_up_to_30_s() -> None:
+    """Half a second first; what arrives begins anew."""
+    outcomes = iter(["", "", b"piece", "", *[""] * 7])
+    said: list[str] = []
+
+    @contextmanager
+    def opened() -> Iterator[Callable[[], Piece]]:
+        outcome = next(outcomes)
+        if not outcome:
+            raise ConnectionRefusedError("refused")
+        pieces = iter([Piece(b""), Piece(outcome)])
+
+        def read() -> Piece:
+            if (piece := next(pieces, None)) is None:
+                raise ConnectionResetError("reset")
+            return piece
+
+        yield read
+
+    stop = Stopper(11)
+    told = list(Connection("a", False, False, opened).pieces(stop, said.append))  # type: ignore[arg-type]
+    assert told == [Piece(b"piece")]
+    assert stop.waited == [0.5, 1.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0, 30.0]
+    assert said[:3] == ["refused", "refused", "reset"]
+
+
+def test_lines_come_whole_whatever_the_pieces() -> None:
+    faults: Counter[str] = Counter()
+    splitter = LineSplitter(faults)
+    assert splitter.lines(b"$A,1\r\n$B") == [b"$A,1"]
+    assert splitter.lines(b",2\r") == [b"$B,2"]
+    assert splitter.lines(b"\n$C", whole=True) == [b"$C"]
+    assert splitter.lines(b"$D\n") == [b"$D"]
+    assert splitter.lines(b"x" * 4096) == []
+    assert splitter.lines(b"\n") == [b"x" * 4096]
+    assert not faults
+    assert splitter.lines(b"x" * 4097) == []
+    assert faults == {"that never ended": 1}
+    assert splitter.lines(b"$E\n") == [b"$E"]
+
+
+LIMITS = {
+    "navigation.headingTrue": 2 * math.pi, "navigation.rateOfTurn": 1.0, "navigation.speedThroughWater": 60.0,
+    "navigation.speedOverGround": 60.0, "navigation.courseOverGroundTrue": 2 * math.pi,
+    "steering.rudderAngle": math.pi / 2, "propulsion.port.revolutions": 100.0, "design.draft.current": 50.0,
+}  # fmt: skip
+
+
+def signal_k(path: str, value: object) -> list[dict[str, dict[str, float]]]:
+    text = json.dumps({"updates": [{"values": [{"path": path, "value": value}]}]}).encode()
+    return [one.values for one in SignalK(Counter()).deltas(text, 0.0)]
+
+
+@pytest.mark.parametrize(("path", "largest"), LIMITS.items())
+def test_signal_k_takes_what_a_ship_can_do_and_no_more(path: str, largest: float) -> None:
+    """A turn, a radian a second, 60 m/s, a right angle, 100 revolutions a second, 50 m of draft."""
+    for value in (largest, -largest):
+        ((columns,),) = (one.values() for one in signal_k(path, value))
+        assert list(columns.values()) == [value]
+    assert not any(signal_k(path, value) for value in (1.001 * largest, -1.001 * largest, True, "1", None))
+
+
+def test_a_place_of_signal_k_is_on_earth() -> None:
+    ends = {"longitude": -180.0, "latitude": 90.0}
+    assert signal_k("navigation.position", ends) == [{"position": ends}]
+    for wrong in ({**ends, "latitude": 90.1}, {**ends, "longitude": 180.1}, {"latitude": 1.0}, 3.0):
+        assert signal_k("navigation.position", wrong) == []
+
+
+@pytest.mark.parametrize(
+    ("address", "whole", "is_signal_k"),
+    [("udp://:10110", True, False), ("tcp://127.0.0.1:10110", False, False), ("ws://127.0.0.1:3000", True, True)],
+)
+def test_a_datagram_and_a_delta_are_whole_and_a_stream_is_not(address: str, whole: bool, is_signal_k: bool) -> None:
+    found = connection_of(address)
+    assert (found.address, found.whole, found.signal_k) == (address, whole, is_signal_k)
+
+
+def test_a_page_has_room_for_32_and_a_token_that_nobody_guesses() -> None:
+    """18 bytes are 24 letters."""
+    page, clients = BridgePage(), Clients()
+    assert len(page.token) == 24
+    for count, full in ((31, False), (32, True), (33, True)):
+        clients.count = count
+        assert clients.full is full
+    assert page.updates.lasts == 2.0
+
+
+@pytest.mark.parametrize(
+    ("host", "address"),
+    [("0.0.0.0", "127.0.0.1"), ("::", "127.0.0.1"), ("", "127.0.0.1"), ("::1", "[::1]"), ("bridge", "bridge")],
+)
+def test_an_address_of_a_page_can_be_opened(host: str, address: str) -> None:
+    assert address_of(host) == address
+
+
+def test_a_request_has_at_most_512_letters() -> None:
+    text = json.dumps({"command": "silence", "identifier": 10110, "instance": 1, "revision": 2})
+    assert request_of(text + " " * (512 - len(text)))
+    assert request_of(text + " " * (513 - len(text))) is None
+
+
+@pytest.mark.parametrize(
+    ("x", "first", "last"), [(3200.0, 2400.0, 5600.0), (300.0, 0.0, 2700.0), (5900.0, 5100.0, None)]
+)
+def test_the_banks_are_drawn_from_800_m_astern_to_2400_m_ahead_each_20_m(
+    x: float, first: float, last: float | None
+) -> None:
+    """In metres north and east to a decimetre, as the waterway lies on the map."""
+    now, length = {**NOW, "x": x}, canal().line.length
+    drawn = scene(Watched(), Watched().status(forecast(), now=now))
+    last = length if last is None else last
+    along = np.linspace(first, last, round((last - first) / 20.0) + 1)
+    for side, own, limit in zip((-1, 1), drawn["banks"], drawn["limits"], strict=True):
+        east_north, _ = canal().to_map(along, np.full(len(along), side * 150.0), 0.0)
+        np.testing.assert_allclose(np.array(own), east_north[:, ::-1], atol=0.051)
+        np.testing.assert_allclose(np.array(limit), np.array(own), atol=1e-9)
+    east_north, heading = canal().to_map(x, 60.0, 0.05)
+    np.testing.assert_allclose(drawn["ship"]["pose"], [*east_north[::-1], heading], atol=0.051)
+    assert abs(drawn["ship"]["pose"][2] - heading) < 6e-5
+    middle, _ = canal().to_map(x, 0.0, 0.0)
+    np.testing.assert_allclose(drawn["middle"][:2], middle[::-1], atol=0.051)
+
+
+def test_a_fan_begins_at_the_ship_and_has_only_whole_tracks() -> None:
+    told = forecast(60.0, 14.0)
+    told.tracks.fan[3, 5, 1] = math.nan
+    drawn = scene(Watched(), Watched().status(told))["fan"]
+    assert drawn["times"] == list(range(5, 121, 5))
+    assert len(drawn["members"]) == 31
+    pose = scene(Watched(), Watched().status(told))["ship"]["pose"]
+    assert all(track[0] == pose[:2] for track in drawn["members"])
+    end, heading = canal().to_map(NOW["x"] + 120 * NOW["u"], 60.0, 0.05)
+    np.testing.assert_allclose(drawn["likely"][-1], [*end[::-1], heading], atol=0.051)
+    told.tracks.escape[-1, 0] = math.nan
+    assert scene(Watched(), Watched().status(told))["fan"] is None
+
+
+def test_no_place_is_no_scene() -> None:
+    assert scene(Watched(), SimpleNamespace(estimate=estimate(0.0, None))) is None  # type: ignore[arg-type]
