@@ -51,13 +51,7 @@ class Comparison(BaseResult):
         return f"<Comparison of {', '.join(self.fits)}>"
 
     def best(self, force: str) -> str:
-        """Return the table with the smallest error on tests left out.
-
-        Parameters
-        ----------
-        force : str
-            ``X``, ``Y`` or ``N``.
-        """
+        """Return the table with the smallest error of a ``force`` on tests left out."""
         return min((fit.left_out[force].rmse, name) for name, fit in self.fits.items() if force in fit.left_out)[1]
 
     @property

@@ -187,26 +187,15 @@ class Fit(Prediction):
     def bootstrap(self, resamples: int = 10_000, seed: int = 0) -> Bootstrap:
         """Draw distinct motions with replacement, each with all its repeats, and fit under the constraints.
 
-        Raises an InputError where there are fewer than 2 resamples.
-
-        Parameters
-        ----------
-        resamples : int
-            Number of resamples.
-        seed : int
-            Seed of the draws.
+        ``resamples`` is the number of draws, ``seed`` that of the generator. Raises an InputError where there are fewer
+        than 2 resamples.
         """
         return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
     def shapley(self, kind: Kind = "mse") -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 
-        Raises an InputError where the kind is none of these.
-
-        Parameters
-        ----------
-        kind : str
-            ``mse``, ``mean_abs`` or ``lmg``.
+        The ``kind`` is ``mse``, ``mean_abs`` or ``lmg``; an InputError is raised for another.
         """
         equations, values = self.normal_equations, self.coefficients
         return shares(kind, equations, self.terms, values, lambda: self._deviations)

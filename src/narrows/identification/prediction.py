@@ -38,14 +38,8 @@ class Prediction(BaseResult):
     def plot_residuals(self: Any, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
         """Draw the residuals of each force over its estimates, a colour for each test.
 
-        Raises an InputError where the fit has no such force.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Where to draw one force; a figure of its own unless given.
-        force : str, optional
-            ``X``, ``Y`` or ``N``; all that were fitted unless given, or the first of them on given axes.
+        With Axes ``ax``, one ``force`` is drawn there, ``X``, ``Y`` or ``N``; the first unless given. Raises an
+        InputError where the fit has no such force.
         """
         return narrows.report.residuals_figure(self, ax, force)
 

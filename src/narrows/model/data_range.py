@@ -59,28 +59,12 @@ class DataRange(Aliased):
     width_to_beam: Range | None = None  #: W/B [1]
 
     def describe(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
-        """Return a range in words.
-
-        Parameters
-        ----------
-        name : str
-            As for ``outside``.
-        measures : mapping, optional
-            Words and units by name.
-        """
+        """Return the range called ``name`` in words, with words and units by name of ``measures``."""
         covered = range_of(self, name) or (-math.inf, math.inf)
         return "ahead alone" if covered == AHEAD else measures[name].describe(*covered)
 
     def outside(self, name: str, values: Number) -> Number:
-        """Return whether each value lies outside the range of the data; False if the range is unknown.
-
-        Parameters
-        ----------
-        name : str
-            ``speed``, ``abs_y``, ``abs_psi``, ``abs_r``, ``depth_to_draft`` or ``width_to_beam``.
-        values : number
-            Values in its unit.
-        """
+        """Return whether ``values`` lie outside the range called ``name``, each; False if the range is unknown."""
         low, high = tolerated(range_of(self, name) or (-np.inf, np.inf))
         return np.logical_or(values < low, values > high)
 

@@ -59,13 +59,7 @@ class Scaled(DerivedModel):
     ratio: float  #: New length over old [1]
 
     def speed(self, speed: float) -> float:
-        """Return the speed at the new scale with the Froude number of one at the old [m/s].
-
-        Parameters
-        ----------
-        speed : float [m/s]
-            Speed at the old scale.
-        """
+        """Return the speed at the new scale [m/s] with the Froude number of a ``speed`` [m/s] at the old."""
         return float(speed * self.ratio**0.5)
 
     def summary(self) -> str:

@@ -162,42 +162,21 @@ class Model(Configured, Operations):
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], terms: TermTable | None = None) -> "Model":
-        """Return the model from the result of ``to_dict``.
-
-        Parameters
-        ----------
-        tables : mapping of str to mapping
-            The sections of a model file.
-        terms : TermTable, optional
-            The user's own table, if the model was made with one.
-        """
+        """Return the model from the ``tables`` of ``to_dict``, and the user's own ``terms`` if it has such."""
         return cls(**fields_of(tables, terms))
 
     def to_dict(self) -> dict[str, Any]:
         return sections_of(**{own.name: getattr(self, own.name) for own in fields(self)})
 
     def save(self, path: str | Path) -> None:
-        """Write it as a model file; ``load_model`` restores it to the last bit.
+        """Write it to a ``path`` as a model file, which ``load_model`` restores to the last bit.
 
         Raises an InputError if the file cannot be written.
-
-        Parameters
-        ----------
-        path : str or Path
-            Output file.
         """
         narrows.save_model(self, path)
 
     def with_coefficients(self, changes: Mapping[str, float] = MappingProxyType({}), /, **values: float) -> "Model":
-        """Return the model with some coefficients changed.
-
-        Parameters
-        ----------
-        changes : mapping of str to float, optional
-            New values by name.
-        **values : float
-            Likewise.
-        """
+        """Return the model with some coefficients changed, given by name as a mapping ``changes`` or as ``values``."""
         values = {**changes, **values}
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
@@ -207,22 +186,14 @@ class Model(Configured, Operations):
         self, motion: Motion | None = None, rudder: Number | None = None, revolutions: Number | None = None,
         **others: Number,
     ) -> dict[str, Number]:  # fmt: skip
-        """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig.
+        """Evaluate surge force [N], sway force [N] and yaw moment [N m] on the towing rig, for floats or columns.
+
+        The ``motion`` may be given by its quantities instead, y, psi, u, v, r, udot ...; these and further actuators of
+        the terms are ``others``, by name and at rest unless given. The ``rudder`` [rad] is positive if it turns the bow
+        to starboard, and amidships unless given; ``revolutions`` [1/s] are those of the configuration unless given.
 
         Raises an InputError if a term needs a particular that the configuration lacks, or divides by a speed of 0, or
         there is no such actuator.
-
-        Parameters
-        ----------
-        motion : Motion, optional
-            Floats or columns; alternatively give its quantities by name: y, psi, u, v, r, udot ...
-        rudder : number [rad], optional
-            Angle, positive if it turns the bow to starboard, floats or columns; amidships unless given.
-        revolutions : number [1/s], optional
-            Propeller revolutions; those of the configuration unless given.
-        **others : number
-            Quantities of the motion if none is given, and positions of other actuators of the terms, by name and in
-            their units; at rest unless given.
         """
         if motion is None:
             given = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
@@ -240,27 +211,14 @@ class Model(Configured, Operations):
             raise InputError("terms of this model divide by the speed; give u over 0") from None
 
     def resistance(self, u: float, **positions: Number) -> float:
-        """Return the resistance of water and actuators straight ahead on the centreline [N].
+        """Return the resistance of water and actuators straight ahead on the centreline at ``u`` [m/s], in newtons.
 
-        Raises an InputError as ``forces`` does.
-
-        Parameters
-        ----------
-        u : float [m/s]
-            Surge velocity.
-        **positions : number
-            Positions of actuators, as in ``forces``.
+        ``positions`` are those of actuators. Raises an InputError as ``forces`` does.
         """
         return -float(self.forces(Motion.at(u=u), **positions)["X"])
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
-        """Evaluate the bank's part of each force [N, N, N m].
-
-        Parameters
-        ----------
-        motion : Motion
-            Floats or columns.
-        """
+        """Evaluate the bank's part of each force [N, N, N m] in a ``motion`` of floats or columns."""
         values = self._values(motion)
         return {
             force: self._sum([term for term in terms if term.from_bank], values)

@@ -163,13 +163,7 @@ class Term(BaseSummary):
         return DEPTH in self.inputs
 
     def column(self, values: Mapping[str, Number]) -> Number:
-        """Evaluate the regressor.
-
-        Parameters
-        ----------
-        values : mapping of str to number
-            The quantities by name; further ones are ignored.
-        """
+        """Evaluate the regressor from ``values`` of the quantities by name; further ones are ignored."""
         return self.regressor(*[values[name] for name in self.inputs])
 
 
@@ -299,14 +293,8 @@ class TermTable(BaseSummary):
     def with_terms(
         self, name: str, surge: Iterable[Term] = (), sway: Iterable[Term] = (), yaw: Iterable[Term] = ()
     ) -> "TermTable":
-        """Return the table with terms added, or replaced if the name exists.
-
-        Parameters
-        ----------
-        name : str
-            Name of the new table.
-        surge, sway, yaw : iterable of Term
-            Terms to add to X, Y and N.
+        """Return the table, called ``name``, with terms added to ``surge``, ``sway`` and ``yaw``, or replaced if the
+        name exists.
         """
         return replace(
             self,
