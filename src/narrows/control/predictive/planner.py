@@ -69,12 +69,10 @@ class RudderPlan:
         nodes = np.column_stack([self.x, self.states, np.append(self.rates, 0.0)])
         table = compiled_loops(plan_loops).interpolate(nodes, 1.0, np.arange(len(nodes)) + share)
         places, states, rates = table[:, 0].copy(), table[:, 1:-1].copy(), table[:-1, -1].copy()
-        pace = self.x[-1] - self.x[-2]
-        places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
+        places, states[0] = x + np.maximum(places - places[0], 0.0), state
         count = min(int(np.ceil(share)), len(rates))
         if count:  # The last place is repeated, and the ship goes on at its speed
-            places[-count:] = places[-count - 1] + pace * np.arange(1, count + 1)
-        places[0], states[0] = x, state
+            places[-count:] = places[-count - 1] + (self.x[-1] - self.x[-2]) * np.arange(1, count + 1)
         return RudderPlan(places, states, rates)
 
 
