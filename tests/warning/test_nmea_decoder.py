@@ -9,7 +9,7 @@ import socket
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -271,10 +271,11 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
     others = "\r\n".join(ais("VDM", 244000000 + k)[0] for k in range(200)) + "\r\n"
     piece = (100 * others + "\r\n".join(told_at(30.0)) + "\r\n").encode()
 
-    @contextlib.contextmanager
-    def opened() -> Iterator[Callable[[], Piece]]:
-        pieces = iter([piece])
-        yield lambda: Piece(next(pieces, b"") or time.sleep(0.05) or b"")
+    def opened() -> Iterator[Piece]:
+        yield Piece(piece)
+        while True:
+            time.sleep(0.05)
+            yield Piece(b"")
 
     with Listening([Connection("burst", False, False, opened)]) as listening:
         told, start = listening.ticks(), time.monotonic()

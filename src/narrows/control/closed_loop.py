@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -100,8 +100,8 @@ class ClosedLoop(BaseSummary):
         """The integrator of the opened loop, and its state on the steady course."""
         if not isinstance(self.controller, ControlLaw):
             raise InputError(
-                f"a {type(self.controller).__name__} is no law in arithmetic, so its loop has no matrices; ask for "
-                "tolerated_delay, which sails voyages"
+                f"a {type(self.controller).__name__} is no law in arithmetic, so its loop has no matrices: simulate it "
+                "with a gear of more dead_time"
             )
         ship = SimulatedShip(self.model)
         steering = steering_of(OpenedLaw(self.controller), ship.actuators)
@@ -187,33 +187,6 @@ class ClosedLoop(BaseSummary):
             return {**none, "sensitivity_peak": math.inf}
         slowest = float(np.abs(poles)[np.abs(poles) > 0].min(initial=1.0 / self._passing))
         return loop_margins(A, B, -C, 1e-2 * slowest, math.pi / self.dt, self.dt)
-
-    def tolerated_delay(self, seed: int = 0) -> float:
-        """Return the longest additional dead time of the gear under which the ship keeps its line [s].
-
-        Found by voyages from a small offset: the ship keeps its line if a tenth of that offset is left in the second
-        half of the voyage, or, where sensor noise (of ``seed``) moves it, at most twice the offset without the
-        additional dead time.
-        """
-        beam, longest = self.model.configuration.ship.beam, settings.MOST_DELAY * self._passing
-        usual = self._late_offset(0.0, seed)
-        noisy = 2.0 * usual if self.sensors and usual < beam / 2 else 0.0
-        most = max(noisy, settings.LOST_LOOP * settings.LOOP_OFFSET * beam)
-        kept, middle, lost = 0.0, longest, 2 * longest
-        while usual <= most and kept < longest and lost - kept > settings.DELAY_DIGITS * max(kept, self.dt):
-            kept, lost = (middle, lost) if self._late_offset(middle, seed) <= most else (kept, middle)
-            middle = (kept + lost) / 2
-        return kept
-
-    def _late_offset(self, delay: float, seed: int) -> float:
-        """Return the largest offset from the line in the second half of a voyage [m]; infinite if the ship is lost."""
-        gear = self.model.configuration.gear
-        loop = replace(self, model=with_gear(self.model, replace(gear, dead_time=gear.dead_time + delay)))
-        loop.__dict__["course"] = self.course
-        begun = self.y - math.copysign(settings.LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
-        voyage = loop.simulate(settings.LOOP_TIME * self._passing, seed, y=begun)
-        late = np.abs(voyage.y - self.y)[voyage.t > voyage.t[-1] / 2]
-        return float(late.max()) if voyage.outcome.kind == "afloat" else math.inf
 
     def summary(self) -> str:
         gear = self.model.configuration.gear

@@ -50,9 +50,6 @@ FREQUENCIES = 3000
 NEWTON_ROUNDS, SAME_STATE = 20, 1e-9
 # Default duration of a voyage [ship lengths].
 LOOP_DURATION = 40.0
-# Voyages that determine a loop's tolerated delay: duration [ship lengths], starting offset [beams], late offset
-# relative to it that counts as lost [1], longest delay [ship lengths], and tolerance [1].
-LOOP_TIME, LOOP_OFFSET, LOST_LOOP, MOST_DELAY, DELAY_DIGITS = 120.0, 0.03, 0.1, 2.0, 0.02
 # Trials of a regulator design: length [ship lengths], its last part in which the offset counts, and steps per ship
 # length.
 TRIAL_LENGTHS, LATE_LENGTHS, TRIAL_STEPS = 11.7, 1.2, 50

@@ -7,8 +7,8 @@ import re
 import socket
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, closing, contextmanager, suppress
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from contextlib import closing, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from threading import Event, Lock, Thread
@@ -33,24 +33,22 @@ class Piece(NamedTuple):
     sender: str = ""  # Host or device that it is from
 
 
-# Bytes that arrived. Raises OSError where the connection broke.
-Read = Callable[[], Piece]
-
-
 @dataclass(frozen=True)
 class Connection:
     address: str  # As the user wrote it
     whole: bool  # True where each piece that is read ends its last line
     signal_k: bool  # True for Signal K, False for NMEA 0183
-    opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
+    # Opens it and reads it piece by piece; raises an OSError where it breaks, and closes it when nobody reads on
+    opened: Callable[[], Generator[Piece]]
 
     def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[Piece]:
         pause = settings.FIRST_PAUSE
         while not stop.is_set():
             try:
-                with self.opened() as read:
-                    while not stop.is_set():
-                        piece = read()
+                with closing(self.opened()) as pieces:
+                    for piece in pieces:
+                        if stop.is_set():
+                            return
                         if piece.content:
                             pause = settings.FIRST_PAUSE
                             yield piece
@@ -262,8 +260,7 @@ def connection_of(address: str) -> Connection:
     raise InputError(f"{address}: is no address to listen to; write {SCHEMES}, or the name of a recording")
 
 
-@contextmanager
-def _udp(host: str, port: int) -> Iterator[Read]:
+def _udp(host: str, port: int) -> Generator[Piece]:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as udp:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         udp.settimeout(settings.READ_TIMEOUT)
@@ -272,30 +269,26 @@ def _udp(host: str, port: int) -> Iterator[Read]:
             if ipaddress.ip_address(host).is_multicast:  # As networks of IEC 61162-450 speak.
                 group = socket.inet_aton(host) + socket.inet_aton("0.0.0.0")
                 udp.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
+        while True:
+            yield _received(udp)
 
-        yield _reader(udp)
 
-
-@contextmanager
-def _tcp(host: str, port: int) -> Iterator[Read]:
+def _tcp(host: str, port: int) -> Generator[Piece]:
     with closing(socket.create_connection((host, port), settings.OPEN_TIMEOUT)) as tcp:
         tcp.settimeout(settings.READ_TIMEOUT)
-        yield _reader(tcp, host)
+        while True:
+            yield _received(tcp, host)
 
 
-def _reader(line: socket.socket, host: str = "") -> Read:
-    """Return what reads a socket: that of one host, or datagrams of any."""
-
-    def read() -> Piece:
-        try:
-            content, sender = line.recvfrom(DATAGRAM)
-        except TimeoutError:
-            return Piece(b"")
-        if host and not content:
-            raise ConnectionError("the other side closed it")
-        return Piece(content, host or sender[0])
-
-    return read
+def _received(line: socket.socket, host: str = "") -> Piece:
+    """Return what a socket receives: from one host, or datagrams of any."""
+    try:
+        content, sender = line.recvfrom(DATAGRAM)
+    except TimeoutError:
+        return Piece(b"")
+    if host and not content:
+        raise ConnectionError("the other side closed it")
+    return Piece(content, host or sender[0])
 
 
 def _serial_line(address: str, device: str, baud: str) -> Connection:
@@ -304,10 +297,10 @@ def _serial_line(address: str, device: str, baud: str) -> Connection:
     if not baud.isdecimal():
         raise InputError(f"{address}: baud = {baud} is no speed of a line; write it as in {SCHEMES}")
 
-    @contextmanager
-    def line() -> Iterator[Read]:
+    def line() -> Generator[Piece]:
         with closing(serial.Serial(device, int(baud), timeout=settings.READ_TIMEOUT)) as port:
-            yield lambda: Piece(bytes(port.read(max(1, port.in_waiting))), device)
+            while True:
+                yield Piece(bytes(port.read(max(1, port.in_waiting))), device)
 
     return Connection(address, False, False, line)
 
@@ -317,19 +310,16 @@ def _signal_k(address: str, stream: str) -> Connection:
         from websockets.exceptions import WebSocketException
         from websockets.sync.client import connect
 
-    @contextmanager
-    def socket_of() -> Iterator[Read]:
+    def line() -> Generator[Piece]:
         try:
             with connect(stream, open_timeout=settings.OPEN_TIMEOUT, max_size=1 << 20) as websocket:
-
-                def read() -> Piece:
+                while True:
                     try:
-                        return Piece(bytes(websocket.recv(settings.READ_TIMEOUT, decode=False)))
+                        content = bytes(websocket.recv(settings.READ_TIMEOUT, decode=False))
                     except TimeoutError:
-                        return Piece(b"")
-
-                yield read
+                        content = b""
+                    yield Piece(content)
         except WebSocketException as error:
             raise ConnectionError(reason(error)) from None
 
-    return Connection(address, True, True, socket_of)
+    return Connection(address, True, True, line)
