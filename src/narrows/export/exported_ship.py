@@ -290,13 +290,6 @@ class ExportedShip:
         """True if the exact clearance is computed once its lower bound reaches zero."""
         return self.waterway is not None and self.ship.shape not in (MIDSHIP, OPEN)
 
-    @property
-    def rule(self) -> dict[str, Any]:
-        return {
-            "EXACT": self.exact, "WATERWAY": self.waterway is not None, "LEAVES": self.choices.leaves,
-            "KEPT": len(self.kept),
-        }  # fmt: skip
-
     @cached_property
     def afloat_speed(self) -> float:
         """Least speed through the water at which the ship touches the bottom or chokes a section [m/s]."""

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from narrows.base.aliases import accept_aliases
@@ -32,6 +31,11 @@ class Exporter:
     notes: Callable[[Any], Iterable[str]] = lambda written: ()
     platforms: bool = False  # True if ``write`` returns the platforms that the file runs on
     refused: Mapping[str, str] = field(default_factory=dict)  # Options that it refuses, with the reason
+
+    def made(self, model: "Model", path: str | Path, options: Mapping[str, Any]) -> tuple[str | bytes, Any]:
+        for name in options:
+            check_choice("option", name, self.options)
+        return self.content(model, path, form_of(path, self.suffixes), **options)
 
     def write(self, model: "Model", path: str | Path, **options: Any) -> Any:
         return write(model, path, self.kind, **options)
@@ -82,22 +86,17 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     if kind and kind not in EXPORTERS:
         raise InputError(f"there is no export {kind!r}; give the model, the path and one of: {', '.join(EXPORTERS)}")
     exporter = EXPORTERS[kind] if kind else BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]
-    suffix = form_of(path, exporter.suffixes)
-    for name in options:
-        check_choice("option", name, exporter.options)
-    content, result = exporter.content(model, path, suffix, **options)
+    content, result = exporter.made(model, path, options)
     write_whole(path, content)
     return result
 
 
 def to_language(model: "Model", kind: str, path: str | Path | None = None, **options: Any) -> Any:
     """Write a model in one of ``LANGUAGES``, or return its text, or bytes, where no path is given."""
+    exporter = LANGUAGES[kind]
     if path is not None:
-        return LANGUAGES[kind].write(model, path, **options)
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / f"ship{LANGUAGES[kind].suffixes[0]}"
-        LANGUAGES[kind].write(model, file, **options)
-        return file.read_bytes() if file.suffix in (".fmu", ".tgz") else file.read_text(encoding="utf-8")
+        return exporter.write(model, path, **options)
+    return exporter.made(model, f"ship{exporter.suffixes[0]}", options)[0]
 
 
 def _ship_file(model: "Model", path: str | Path, suffix: str, **choices: Any) -> tuple[str | bytes, None]:

@@ -13,7 +13,7 @@ import sys
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
+from enum import Enum
 from importlib.metadata import version
 from importlib.resources import files
 from io import BytesIO
@@ -114,18 +114,12 @@ def universal(libraries: Sequence[bytes]) -> bytes:
     return head + bytes(PAGE - len(head)) + body
 
 
-class Kind(StrEnum):
+class Kind(Enum):
     """Kind of a variable: its letter in ``KINDS`` of C; causality, variability and initial of the standard."""
 
-    causality: str
-    variability: str
-    initial: str  # Empty where the standard forbids it
-
-    def __new__(cls, letter: str, causality: str, variability: str, initial: str) -> "Kind":
-        own = str.__new__(cls, letter)
-        own._value_ = letter
-        own.causality, own.variability, own.initial = causality, variability, initial
-        return own
+    def __init__(self, letter: str, causality: str, variability: str, initial: str) -> None:
+        self.letter, self.causality, self.variability = letter, causality, variability
+        self.initial = initial  # Empty where the standard forbids it
 
     TIME_ITSELF = "t", "independent", "continuous", ""
     STATE = "s", "output", "continuous", "exact"
@@ -300,12 +294,12 @@ def fmu_of(
 
 
 def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, speed: float, dt: float) -> str:
-    letters = "".join(one.kind for one in variables)
+    letters = "".join(one.kind.letter for one in variables)
     bounded = [one.bounds for one in variables if one.kind in (Kind.FIXED, Kind.INPUT, Kind.TUNABLE)]
     outcomes = [f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)]
     return rendered(
         "choices.h.j2", exported, C(), token=token, speed=speed, dt=dt, events=outcomes,
-        banks=exported.ship.shape != OPEN, counted=COUNTED in exported.kept, kinds={k.name: k for k in Kind},
+        banks=exported.ship.shape != OPEN, counted=COUNTED in exported.kept, kinds={k.name: k.letter for k in Kind},
         reals=REALS, integers=INTEGERS, unknowns=UNKNOWNS, knowns=KNOWNS,
         letters=[f'"{line}"' for line in wrap(letters, LETTERS_A_LINE)],
         low=[C().literal(low) for low, _ in bounded], high=[C().literal(high) for _, high in bounded],

@@ -100,7 +100,7 @@ def force_fmu(model: Model, identifier: str, builds: tuple[NativeBuild, ...], fm
     inputs = [one for one in variables if one.kind is Kind.INPUT]
     choices = filled(
         "bank_choices.h.j2", token=token, deviations=2 * (model.covariance is not None), reals=REALS, integers=INTEGERS,
-        kinds={kind.name: kind for kind in Kind}, letters="".join(one.kind for one in variables),
+        kinds={kind.name: kind.letter for kind in Kind}, letters="".join(one.kind.letter for one in variables),
         start=[C().literal(one.start or 0.0) for one in inputs],
         low=[C().literal(one.bounds[0]) for one in inputs], high=[C().literal(one.bounds[1]) for one in inputs],
     )  # fmt: skip

@@ -38,8 +38,14 @@ PLAIN = (event, bank_clearance, single, filling)
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
-    absent = frozenset[str]() if exported.waterway else frozenset({"waterway"})
-    return PlainSource(tuple(map(getsource, PLAIN)), exported.rule, absent)
+    absent, waterway = frozenset[str]() if exported.waterway else frozenset({"waterway"}), exported.waterway is not None
+    rule = {
+        "EXACT": exported.exact,
+        "WATERWAY": waterway,
+        "LEAVES": exported.choices.leaves,
+        "KEPT": len(exported.kept),
+    }
+    return PlainSource(tuple(map(getsource, PLAIN)), rule, absent)
 
 
 def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
@@ -193,13 +199,9 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
 def npm_bytes(exported: ExportedShip) -> bytes:
     language = JavaScript()
     types = rendered(
-        "package.d.ts.j2",
-        exported,
-        language,
-        f=bodies_of(exported, language),
-        water=exported.waterway,
+        "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway,
         outcomes=OUTCOME_CODES,
-    )
+    )  # fmt: skip
     own = {
         "name": exported.prefix.lower(), "version": version("narrows"), "type": "module",
         "license": "SEE LICENSE IN README.md",

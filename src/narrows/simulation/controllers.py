@@ -15,6 +15,7 @@ from narrows.base.errors import InputError
 from narrows.base.results import BaseSummary, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
+from narrows.simulation.inputs import table_of
 
 Named = Mapping[str, Number]
 
@@ -131,12 +132,8 @@ class RudderSchedule(_WithoutMemory):
     pairs: Sequence[tuple[float, float]]
 
     def __post_init__(self) -> None:
-        try:
-            table = np.array([(float(time), float(order)) for time, order in self.pairs])
-        except (TypeError, ValueError, OverflowError):
-            raise InputError("a schedule of the rudder is pairs of time [s] and angle [rad]; mend it") from None
-        if not len(table) or not np.isfinite(table).all() or (np.diff(table[:, 0]) <= 0).any():
-            raise InputError("a schedule of the rudder needs finite times that rise, each with an angle; mend it")
+        if not np.ndim(self.pairs) or not len(table_of("rudder", self.pairs)[0]):
+            raise InputError("a schedule of the rudder is pairs of time [s] and angle [rad]; give one at least")
 
     def parameters(self) -> Mapping[str, Any]:
         numbered = list(enumerate(self.pairs))

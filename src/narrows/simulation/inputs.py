@@ -36,17 +36,17 @@ class Segment(NamedTuple):
 
 def segments_of(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Segment]:
     """Split a voyage where its inputs jump, so that no step crosses a jump."""
-    tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
+    tables = [table_of(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
     jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
     # A value is 0 before the first time.
     columns = [np.append(0.0, values)[np.searchsorted(times, jumps, side="right")].tolist() for times, values in tables]
     return [*map(Segment, jumps, [*jumps[1:], stop], zip(*columns, strict=True))]
 
 
-def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
+def table_of(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
     try:
         values = np.asarray(schedule)
-        values = np.asarray(schedule, dtype=float) if values.dtype.kind in "iufO" else np.array(math.nan)
+        values = values.astype(float) if values.dtype.kind in "iufO" else np.array(math.nan)
     except (TypeError, ValueError, OverflowError):
         values = np.array(math.nan)
     if values.ndim == 0:

@@ -2,7 +2,6 @@
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
 from math import factorial
 from textwrap import wrap
 from typing import ClassVar
@@ -34,15 +33,6 @@ class C(Language):
 
     def called(self, name: str, *arguments: str) -> str:
         return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
-
-    @cached_property
-    def _texts(self) -> dict[Expr, str]:
-        return {}
-
-    def doprint(self, expression: Expr) -> str:
-        if expression not in self._texts:  # A line is printed to see whether it calls a library, and once more
-            self._texts[expression] = super().doprint(expression)
-        return self._texts[expression]
 
     def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
         values = ", ".join(f"{self.named(name)} = {places[name]}" for name in names if name != places[name])
