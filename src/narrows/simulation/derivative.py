@@ -85,11 +85,6 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     **given : Any
         As for ``derivative``, but floats only.
 
-    Returns
-    -------
-    array (6,)
-        As the state.
-
     Examples
     --------
     >>> round(float(nw.step(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0), dt=0.1)[0]), 3)

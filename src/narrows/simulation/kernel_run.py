@@ -73,22 +73,17 @@ class PreparedRun:
     lane_steps: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
-        vessels = len(self.start)
-        self.end, self.time = self.start.copy(), np.zeros(vessels)
-        self.codes = np.zeros((vessels, 2), np.int64)
-        parts, inputs = slices(vessels, self.workers), self.vessel_inputs
+        vessels, inputs, lanes = len(self.start), self.vessel_inputs, self.kernel.LANES
+        self.end, self.time, self.codes = self.start.copy(), np.zeros(vessels), np.zeros((vessels, 2), np.int64)
         self._calls = [
             (
                 self.start[part], self.times[part], inputs if len(inputs) == 1 else inputs[part],
                 self.end[part], self.time[part], self.codes[part],
+                np.zeros(self.kernel.FIELDS * lanes + CACHE_LINE), np.zeros((lanes, event.PLACES)),
+                np.zeros(lanes, np.int64),
             )
-            for part in parts
+            for part in slices(vessels, self.workers)
         ]  # fmt: skip
-        lanes, size = self.kernel.LANES, self.kernel.FIELDS * self.kernel.LANES + CACHE_LINE
-        self._memories = [
-            (np.zeros(size, self.start.dtype), np.zeros((lanes, event.PLACES)), np.zeros(lanes, np.int64))
-            for _ in range(min(self.workers, len(parts)))
-        ]
 
     @cached_property
     def _integrate(self) -> Callable[..., int]:
@@ -102,25 +97,15 @@ class PreparedRun:
         return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)
 
     def __call__(self) -> int:
-        if not len(self.start):
-            return 0
-        free = list(self._memories)
-
-        def one(arguments: tuple[Any, ...]) -> int:
-            memory = free.pop()
-            try:
-                return int(self._integrate(*arguments, *memory))
-            finally:
-                free.append(memory)
-
-        self.lane_steps = sum(in_threads(one, self._calls, len(self._memories)))
+        calls = self._calls if len(self.start) else []
+        self.lane_steps = sum(in_threads(lambda given: int(self._integrate(*given)), calls, self.workers))
         return self.lane_steps
 
 
 def in_threads(work: Any, parts: Sequence[Any], workers: int) -> list[Any]:
     """Work on parts in threads; an interrupt does not wait for the whole queue."""
-    if len(parts) == 1:
-        return [work(parts[0])]
+    if len(parts) <= 1:
+        return list(map(work, parts))
     pool = ThreadPoolExecutor(workers)
     try:
         return list(pool.map(work, parts))

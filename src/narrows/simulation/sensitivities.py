@@ -120,11 +120,6 @@ def sensitivities(
     y, u, duration, dt, **voyage
         As for ``simulate`` [m, m/s, s].
 
-    Returns
-    -------
-    Sensitivities
-        The voyage, and ``slopes`` at each of its times.
-
     Examples
     --------
     >>> slopes = nw.sensitivities(model, by=("y", "b_bank"), y=0.5, u=1.0, duration=1.0)

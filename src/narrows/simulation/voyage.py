@@ -232,11 +232,6 @@ def simulate(
     **positions : float
         Starting positions of other actuators by name: revolutions [1/s], or one of the model's own.
 
-    Returns
-    -------
-    Voyage
-        Columns and outcome.
-
     Examples
     --------
     >>> print(nw.simulate(model, y=0.5, u=1.0).outcome.ending)

@@ -22,7 +22,6 @@ from narrows.export.page.page_sliders import (
     ASSUMED,
     COEFFICIENTS,
     Slider,
-    both_ways,
     covered,
     deviation,
     is_open_water,
@@ -180,8 +179,8 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         "assumed": model.covariance is None,
         "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
         "tested": {
-            "u": covered(model.data_range.speed), "y": both_ways(model.data_range.abs_y),
-            "psi": both_ways(model.data_range.abs_psi),
+            "u": covered(model.data_range.speed), "y": covered(model.data_range.abs_y, both=True),
+            "psi": covered(model.data_range.abs_psi, both=True),
         },
         "notes": _notes(model, sliders),
     }  # fmt: skip

@@ -62,53 +62,51 @@ def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slid
 def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
     model = exported.ship.model
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
-    inputs, is_open = {one.name: one.value for one in exported.inputs}, is_open_water(model)
+    inputs, is_open, degree = {one.name: one.value for one in exported.inputs}, is_open_water(model), math.degrees(1.0)
     most = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2
     if steered:
         line = "dashed line" if is_open else "middle"
         yield Slider("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
     fine = _fine(speed / 50)
     yield Slider("u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed,
-                 covered(known.speed), _in_words(model, known.speed, fine, "m/s"))  # fmt: skip
-    fine = _fine(most / 200)
-    yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, fine), _to(most, fine), fine,
-                 _to(min(most / 9, ship.length), fine), both_ways(known.abs_y),
-                 _in_words(model, known.abs_y, fine, "m"))  # fmt: skip
-    degree = math.degrees(1.0)
-    yield Slider("psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, degree),
-                 _in_words(model, known.abs_psi, 0.1, "°", degree))  # fmt: skip
+                 **_tested(model, known.speed, fine, "m/s"))  # fmt: skip
+    off = _fine(most / 200)
+    yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, off), _to(most, off), off,
+                 _to(min(most / 9, ship.length), off), **_tested(model, known.abs_y, off, "m", both=True))  # fmt: skip
+    yield Slider("psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0,
+                 **_tested(model, known.abs_psi, 0.1, "°", degree, both=True))  # fmt: skip
     if "rudder" in exported.kept:
         limit = math.floor(math.degrees(model.configuration.gear.limit))
         yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
     if "revolutions" in inputs:
         n = inputs["revolutions"]
-        fastest, fine = _to(2 * n, _fine(n / 100)), _fine(n / 100)
-        slowest = -fastest if getattr(model.configuration.propeller, "turns_astern", False) else 0
-        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, slowest, fastest, fine, n)
-    yield Slider("current", "current, from astern", "m/s", VOYAGE, _to(-0.25 * speed, _fine(speed / 50)),
-                 _to(0.5 * speed, _fine(speed / 50)), _fine(speed / 50), 0)  # fmt: skip
+        turn = _fine(n / 100)
+        fastest, astern = _to(2 * n, turn), getattr(model.configuration.propeller, "turns_astern", False)
+        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, -fastest if astern else 0, fastest, turn, n)
+    low, high = _to(-0.25 * speed, fine), _to(0.5 * speed, fine)
+    yield Slider("current", "current, from astern", "m/s", VOYAGE, low, high, fine, 0)
 
 
 def _canal(model: Model, deep: bool) -> Iterator[Slider]:
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
-    fine = _fine(canal.width / 200)
-    low, high = NARROWEST * ship.beam, WIDEST * canal.width
     if not is_open_water(model):
-        yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
-                     covered(known.width_to_beam, ship.beam),
-                     _in_words(model, known.width_to_beam, fine, "m", ship.beam),
-                     "the width of the canal")  # fmt: skip
+        fine = _fine(canal.width / 200)
+        low, high = _to(NARROWEST * ship.beam, fine), _to(WIDEST * canal.width, fine)
+        tested = _tested(model, known.width_to_beam, fine, "m", ship.beam)
+        yield Slider(
+            "width", "width", "m", CANAL, low, high, fine, canal.width, **tested, told="the width of the canal"
+        )
     if deep and canal.depth:
         fine, deepest = _fine(ship.draft / 100), max(4 * ship.draft, canal.depth)
-        yield Slider("depth", "depth", "m", CANAL, _to(1.1 * ship.draft, fine), _to(deepest, fine), fine, canal.depth,
-                     covered(known.depth_to_draft, ship.draft),
-                     _in_words(model, known.depth_to_draft, fine, "m", ship.draft),
-                     "the depth of the canal")  # fmt: skip
+        low, high = _to(1.1 * ship.draft, fine), _to(deepest, fine)
+        tested = _tested(model, known.depth_to_draft, fine, "m", ship.draft)
+        yield Slider(
+            "depth", "depth", "m", CANAL, low, high, fine, canal.depth, **tested, told="the depth of the canal"
+        )
 
 
 def _unknown(model: Model) -> Iterator[Slider]:
-    fine = _fine(model.configuration.ship.length / 800)
-    spread = START_SPREAD * model.configuration.ship.length
+    fine, spread = _fine(model.configuration.ship.length / 800), START_SPREAD * model.configuration.ship.length
     yield Slider("sd_y", "spread of starts", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
     yield Slider("sd_psi", "spread of headings", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
     yield Slider("doubt", "spread of coefficients", "×", UNKNOWN, 0, 3, 0.05, 1)
@@ -139,29 +137,27 @@ def _coefficient(model: Model, name: str) -> Slider:
                   inside, words, name)  # fmt: skip
 
 
-def covered(known: Range | None, scale: float = 1.0) -> Range | None:
+def covered(known: Range | None, scale: float = 1.0, both: bool = False) -> Range | None:
+    """Return the range of the data; of ``both`` signs where they limit an absolute value."""
     if known is None:
         return None
     low, high = tolerated(known)
-    return scale * low, scale * high
+    return -scale * high if both else scale * low, scale * high
 
 
-def _in_words(model: Model, known: Range | None, fine: float, unit: str, scale: float = 1.0) -> str | None:
-    """Return the range that the data cover, and whose data they are."""
+def _tested(
+    model: Model, known: Range | None, fine: float, unit: str, scale: float = 1.0, both: bool = False
+) -> dict[str, Any]:
+    """Return the range that the data cover, and in words with whose data they are."""
     if known is None:
-        return None
+        return {}
     whose = "other ships" if model.source.estimate else "tested"
-    return f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+    words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+    return {"tested": covered(known, scale, both), "beyond": words}
 
 
 def _ends(known: Range, fine: float) -> str:
     return ("–" if known[0] >= 0 else " to ").join(dict.fromkeys(f"{_to(end, fine):g}" for end in known))
-
-
-def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return the covered range of a number whose absolute value the data limit."""
-    reach = covered(known, scale)
-    return None if reach is None else (-reach[1], reach[1])
 
 
 def _fine(size: float) -> float:
