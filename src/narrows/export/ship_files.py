@@ -14,7 +14,7 @@ from typing import Any
 
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE
-from narrows.codegen.kernels import event, filling, single
+from narrows.codegen.kernels import event, single
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
@@ -34,7 +34,7 @@ CANNOT_INTEGRATE = (
 )
 
 # Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
-PLAIN = (event, bank_clearance, single, filling)
+PLAIN = (event, bank_clearance, single)
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
