@@ -232,34 +232,6 @@ class ExternalOrder(_WithoutMemory):
 # Name of a law's last rudder order: other controllers keep it up to date, so that the law takes over without a jump.
 LAST_ORDER = "last_order"
 
-# A control law that is switched on, by hand or at a time; until then the rudder keeps an ordered angle. Numbers besides
-# those of the law: the switch, over 0 if on; the time; and the angle ordered before.
-STEERS, SINCE, ORDERED = "steers", "since", "ordered"
-
-
-@dataclass(frozen=True)
-class SwitchedLaw(ControlLaw):
-    """Any control law with a switch; while it is off, an angle is ordered, which the law stores as its last."""
-
-    law: ControlLaw  # Law used when it is on
-    angle: Any = 0.0  # Order while it is off [rad]
-    since: Any = None  # Time of switching on [s]
-
-    def parameters(self) -> Mapping[str, Any]:
-        switch = {STEERS: 0.0} if self.since is None else {SINCE: self.since}
-        return {**self.law.parameters(), ORDERED: self.angle, **switch}
-
-    def memory(self, start: Named) -> Named:
-        return self.law.memory(start)
-
-    def orders(self, at: Any) -> tuple[Named, Named]:
-        orders, memory = self.law.orders(at)
-        on = at.steers if self.since is None else at.t - at.since + ORDER_TOLERANCE * at.dt  # Over 0 if the law steers
-        before = {name: at.ordered if name == LAST_ORDER else getattr(at, name) for name in memory}
-        kept = {name: choice(on, value, before[name]) for name, value in memory.items()}
-        return {**orders, "rudder": choice(on, orders["rudder"], at.ordered)}, kept
-
-
 # An example of each law for a ship of a length [m], by name: docs list them, the tests run them in every engine.
 CONTROLLERS: dict[str, Callable[[float], ControlLaw]] = {
     "constant": lambda length: ConstantRudder(0.12),

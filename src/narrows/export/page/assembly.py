@@ -5,7 +5,7 @@ import json
 import re
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -30,8 +30,9 @@ from narrows.export.page.page_sliders import (
 from narrows.export.passport import passport
 from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
+from narrows.quantities.arithmetic import choice
 from narrows.quantities.names import Number
-from narrows.simulation.controllers import SwitchedLaw
+from narrows.simulation.controllers import LAST_ORDER, ControlLaw, Named
 from narrows.simulation.grid import symmetric_root
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
@@ -220,6 +221,25 @@ def root_of(model: Model, names: list[str]) -> np.ndarray:
         return np.diag([deviation(model, name) for name in names])
     places = [model.terms.names.index(name) for name in names]
     return symmetric_root(model.covariance[np.ix_(places, places)])
+
+
+@dataclass(frozen=True)
+class SwitchedLaw(ControlLaw):
+    """A control law that is switched on by hand; until then the rudder keeps an ordered angle, its last order."""
+
+    law: ControlLaw
+
+    def parameters(self) -> Mapping[str, Any]:
+        return {**self.law.parameters(), "ordered": 0.0, "steers": 0.0}  # Over 0 if the law steers
+
+    def memory(self, start: Named) -> Named:
+        return self.law.memory(start)
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        orders, memory = self.law.orders(at)
+        before = {name: at.ordered if name == LAST_ORDER else getattr(at, name) for name in memory}
+        kept = {name: choice(at.steers, value, before[name]) for name, value in memory.items()}
+        return {**orders, "rudder": choice(at.steers, orders["rudder"], at.ordered)}, kept
 
 
 def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
