@@ -126,15 +126,15 @@ from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .simulation import step as step
+from .simulation.manoeuvring_trials import StoppingTest as StoppingTest
 from .simulation.manoeuvring_trials import Trials as Trials
 from .simulation.manoeuvring_trials import Turning as Turning
 from .simulation.manoeuvring_trials import ZigzagTest as ZigzagTest
+from .simulation.manoeuvring_trials import crash_stop as crash_stop
 from .simulation.manoeuvring_trials import overshoots as overshoots
 from .simulation.manoeuvring_trials import sail_trials as sail_trials
 from .simulation.manoeuvring_trials import turning_circle as turning_circle
 from .simulation.manoeuvring_trials import zigzag as zigzag
-from .simulation.stopping import StoppingTest as StoppingTest
-from .simulation.stopping import crash_stop as crash_stop
 from .warning.monitoring.monitor import Monitor as Monitor
 from .waterway import Waterway as Waterway
 from .waterway import read_waterway as read_waterway

@@ -87,14 +87,14 @@ class _Law(BaseSummary):
         return ", ".join(f"{name} = {shortened(text, 40)}" for name, text in numbers.items())
 
 
-class _WithoutMemory(_Law):
+class WithoutMemory(_Law):
     def memory(self, start: Named) -> Named:
         return {}
 
 
 @accept_aliases
 @dataclass(frozen=True, repr=False)
-class ConstantRudder(_WithoutMemory):
+class ConstantRudder(WithoutMemory):
     """One rudder angle, ordered at the start: a turning circle.
 
     Raises an InputError if it is not finite.
@@ -118,7 +118,7 @@ class ConstantRudder(_WithoutMemory):
 
 @accept_aliases
 @dataclass(frozen=True, repr=False)
-class RudderSchedule(_WithoutMemory):
+class RudderSchedule(WithoutMemory):
     """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
 
     Raises an InputError if there is no pair, a number is not finite, or the times do not rise.
@@ -187,7 +187,7 @@ class Zigzag(_Law):
 
 @accept_aliases
 @dataclass(frozen=True, repr=False)
-class Autopilot(_WithoutMemory):
+class Autopilot(WithoutMemory):
     """A track pilot: rudder in proportion to the deviations, added to the rudder of the steady course.
 
     Its numbers are floats or DataArrays. Raises an InputError if there are not four gains, or a number is not finite.
@@ -221,7 +221,7 @@ class Autopilot(_WithoutMemory):
         return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
 
 
-class ExternalOrder(_WithoutMemory):
+class ExternalOrder(WithoutMemory):
     def parameters(self) -> Mapping[str, Any]:
         return {"order": 0.0}
 

@@ -1,6 +1,7 @@
-"""Standard manoeuvring trials: turning circles and zigzags in open water, and their measures."""
+"""Standard manoeuvring trials in open water: turning circles, zigzags, stopping tests, and their measures."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,9 +10,11 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.results import BaseResult
+from narrows.model.additions import TRANSVERSE_THRUST
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
-from narrows.simulation.controllers import ConstantRudder, ControlLaw, Zigzag
+from narrows.quantities.arithmetic import maximum, minimum
+from narrows.simulation.controllers import ConstantRudder, ControlLaw, Named, WithoutMemory, Zigzag
 from narrows.simulation.initial_state import steady_ahead, voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
@@ -20,19 +23,19 @@ if TYPE_CHECKING:
     import pandas as pd
 
 STEPS_A_LENGTH = 120
-
+# Longest duration of a circle or a zigzag, and of a stopping test, in ship lengths at the approach speed.
+LENGTHS, STOPPING_LENGTHS = 40.0, 80.0
 # Length [m] below which a hull counts as a model.
 MODEL_LENGTH = 30.0
-
-# Duration of a trial, in ship lengths at the approach speed.
-TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
-
+# Largest track reach of IMO resolution MSC.137(76) [ship lengths].
+LARGEST_TRACK_REACH = 15.0
 # Angles below this [deg] were probably given in radians.
 LEAST_DEG = 1.0
-
-# Measures of a turning circle, at these changes of heading.
 MEASURES = ("advance", "transfer", "tactical_diameter")
-QUARTER, HALF = np.pi / 2, np.pi
+NO_TRANSVERSE_THRUST = (
+    "The model has no transverse thrust of its propeller, so the ship stops straight ahead; nw.with_transverse_thrust "
+    "adds that of a similar ship."
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,12 +55,12 @@ class Turning(BaseResult):
         Raises an InputError if the ship has not turned by 180 degrees.
         """
         turned = np.abs(voyage.psi - voyage.psi[0])
-        if turned.max() < HALF:
+        if turned.max() < np.pi:
             by, why = np.degrees(turned.max()), voyage.outcome.sentence.partition(". ")[0].removesuffix(".")
             raise InputError(f"the ship turned by {by:.0f} degrees of the 180 asked for: {why}; sail slower or longer")
         x, y = (column - column[0] for column in (voyage.x, voyage.y))
-        first = slice(0, int(np.argmax(turned >= HALF)) + 1)
-        along, across = (np.interp((QUARTER, HALF), turned[first], np.abs(column[first])) for column in (x, y))
+        first = slice(0, int(np.argmax(turned >= np.pi)) + 1)
+        along, across = (np.interp((np.pi / 2, np.pi), turned[first], np.abs(column[first])) for column in (x, y))
         return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
 
     def summary(self) -> str:
@@ -103,9 +106,6 @@ class Trials(BaseResult):
     zigzags: dict[str, ZigzagTest]  #: Zigzags by rudder and heading, as in ``+10/10``
     notes: tuple[str, ...]  #: Assumptions
 
-    def __repr__(self) -> str:
-        return f"<Trials of {self.model.configuration.ship.name or 'a ship'} at {self.speed:g} m/s>"
-
     def summary(self) -> str:
         circles = [
             f"Rudder {order} degrees: advance {measures['advance_over_length']:.2f} L, tactical diameter "
@@ -116,13 +116,9 @@ class Trials(BaseResult):
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:
-        return {
-            "speed": self.speed,
-            "turning": self._circles(),
-            "zigzags": {order: test.to_dict() for order, test in self.zigzags.items()},
-            "summary": self.summary(),
-            "notes": list(self.notes),
-        }
+        zigzags = {order: test.to_dict() for order, test in self.zigzags.items()}
+        said = {"summary": self.summary(), "notes": list(self.notes)}
+        return {"speed": self.speed, "turning": self._circles(), "zigzags": zigzags, **said}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the measures as a table: one row for each manoeuvre and measure."""
@@ -240,8 +236,10 @@ class TrialShip:
         if not u > 0:
             raise InputError(f"speed = {u} m/s of the approach must be over 0; give it in m/s")
         ship, hull = model.in_open_water(), model.configuration.ship
-        notes = [note for note in ship.notes if note != ship.bank_note]
-        notes += extrapolation(ship.data_range, {"speed": u})
+        notes = [
+            *(note for note in ship.notes if note != ship.bank_note),
+            *extrapolation(ship.data_range, {"speed": u}),
+        ]
         ship, steady = steady_ahead(ship, u)
         notes += [steady] * bool(steady)
         if not ship.surge_inertia > 0:
@@ -264,20 +262,19 @@ class TrialShip:
 
     def turn(self, rudder: float) -> Turning:
         self.check(rudder=rudder)
-        return Turning.of(self.sail(ConstantRudder(math.radians(rudder)), TURNING_LENGTHS), self.notes)
+        return Turning.of(self.sail(ConstantRudder(math.radians(rudder))), self.notes)
 
     def zigzag(self, rudder: float, heading: float) -> ZigzagTest:
         self.check(rudder=rudder, heading=heading)
         law = Zigzag(math.radians(rudder), math.radians(heading))
-        voyage = self.sail(law, ZIGZAG_LENGTHS)
+        voyage = self.sail(law)
         return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)
 
-    def sail(self, law: ControlLaw, lengths: float) -> Voyage:
-        usual = lengths * self.model.configuration.ship.length / self.speed
-        longest = usual if self.duration is None else self.duration
+    def sail(self, law: ControlLaw, lengths: float = LENGTHS) -> Voyage:
+        time = lengths * self.model.configuration.ship.length / self.speed if self.duration is None else self.duration
         surge: Any = "free" if self.model.surge_inertia > 0 else "held"
         return simulate(
-            self.model, u=self.speed, duration=longest, dt=self.dt, contact="none", surge=surge, controller=law
+            self.model, u=self.speed, duration=time, dt=self.dt, contact="none", surge=surge, controller=law
         )
 
 
@@ -288,10 +285,8 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
 
     Parameters
     ----------
-    voyage : Voyage
-        A voyage in open water under the zigzag.
-    zigzag : Zigzag
-        The zigzag's order.
+    voyage, zigzag : Voyage, Zigzag
+        A voyage in open water, and its controller.
     """
     turned = np.abs(voyage.psi - voyage.psi[0])
     crossings = np.flatnonzero(np.diff(turned >= zigzag.heading)) + 1
@@ -303,3 +298,105 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     if not angles:
         raise InputError("the voyage ends before the heading comes back once; sail on for longer")
     return angles
+
+
+@dataclass(frozen=True)
+class EngineReversal(WithoutMemory):
+    """A law for the propeller: from revolutions ahead to revolutions astern, after a delay and evenly in time."""
+
+    ahead: float  # Revolutions [1/s]
+    astern: float
+    delay: float  # [s]
+    reversal: float  # [s]
+
+    def parameters(self) -> Mapping[str, Any]:
+        return vars(self)
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        # At once if the reversal takes no time.
+        share = minimum(maximum((at.t + at.dt - at.delay) / maximum(at.reversal, at.dt), 0.0), 1.0)
+        return {"revolutions": at.ahead + share * (at.astern - at.ahead)}, {}
+
+
+@dataclass(frozen=True, repr=False)
+class StoppingTest(BaseResult):
+    """A stopping test, measured from the order; the result of ``crash_stop``.
+
+    >>> nw.crash_stop(nw.published("yasukawa2015_kvlcc2")).track_reach > 0
+    True
+    """
+
+    track_reach: float  #: Distance along the track [m]
+    head_reach: float  #: Distance along the first course [m]
+    side_reach: float  #: Distance across it, to starboard [m]
+    time: float  #: Time until the ship lies still [s]
+    voyage: Voyage  #: The test itself, until the first step astern
+    notes: tuple[str, ...] = ()  #: Assumptions
+
+    def summary(self) -> str:
+        lengths = self.to_dict()["track_reach_over_length"]
+        return (
+            f"The ship stops in {self.time:.0f} s on {self.track_reach:.4g} m ({lengths:.1f} L; IMO allows "
+            f"{LARGEST_TRACK_REACH:g} L), {self.head_reach:.4g} m ahead and {self.side_reach:+.3g} m to starboard."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        values = {name: getattr(self, name) for name in ("track_reach", "head_reach", "side_reach", "time")}
+        return {**values, "track_reach_over_length": self.track_reach / self.voyage.configuration.ship.length}
+
+
+@accept_aliases
+def crash_stop(
+    model: Model, speed: float | None = None, revolutions: float | None = None, delay: float = 0.0,
+    reversal: float = 0.0,
+) -> StoppingTest:  # fmt: skip
+    """Simulate a stopping test in open water, rudder amidships.
+
+    Its side reach is that of the transverse thrust, which ``with_transverse_thrust`` adds to a model.
+    Source: IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
+
+    >>> tanker = nw.published("yasukawa2015_kvlcc2_full")
+    >>> round(nw.crash_stop(tanker, revolutions=-1.0, delay=10.0, reversal=60.0).time)
+    1184
+
+    Raises an InputError if the thrust astern is unknown, the model has no free surge motion, a time is negative, or the
+    ship does not stop.
+
+    Parameters
+    ----------
+    model : Model
+        A model with terms of a propeller whose thrust astern is known, and with a surge inertia.
+    speed : float [m/s], optional
+        Speed of the approach; default: one that suits the ship.
+    revolutions : float [1/s], optional
+        Revolutions astern, below 0; default: as many as on the approach.
+    delay, reversal : float [s]
+        Time from the order until the revolutions begin to change, and time of that change.
+    """
+    if not model.terms.propelled or not model.surge_inertia > 0:
+        raise InputError(
+            "a stopping test needs terms of a propeller and an inertia in surge, as those of nw.MMG; take a ship that "
+            "has them, such as nw.published('estimated_kcs')"
+        )
+    ship = TrialShip.of(model, speed)
+    ahead = ship.model.configuration.values()["revolutions"]
+    given = {"revolutions": -ahead if revolutions is None else revolutions, "delay": delay, "reversal": reversal}
+    numbers = finite_numbers(**given)
+    if not numbers["revolutions"] < 0 or min(numbers["delay"], numbers["reversal"]) < 0:
+        raise InputError(f"revolutions astern are below 0, delay and reversal are from 0 s; {given} are not")
+    law = EngineReversal(ahead, numbers["revolutions"], numbers["delay"], numbers["reversal"])
+    voyage = ship.sail(law, STOPPING_LENGTHS)
+    if not voyage.u.min() < 0:
+        raise InputError(
+            f"the ship still makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions"
+        )
+    # The forces of the hull are those ahead, so that the test ends at the first step astern.
+    last = int(np.argmax(voyage.u < 0))
+    voyage = ship.sail(law, voyage.t[last] * ship.speed / ship.model.configuration.ship.length)
+    track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
+    reach, ahead_of, aside, time = (
+        float(np.interp(0.0, voyage.u[:-3:-1], column[:-3:-1]) - column[0])
+        for column in (track, voyage.x, voyage.y, voyage.t)
+    )
+    pushed = TRANSVERSE_THRUST.names(model.terms)[0] in model.terms.names
+    return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes + (() if pushed else (NO_TRANSVERSE_THRUST,)))
