@@ -10,10 +10,6 @@ from narrows.base.errors import InputError
 class Dimension(NamedTuple):
     """Physical dimension of a coefficient.
 
-    Parameters
-    ----------
-    mass, length, time : int [1]
-        Exponents of kg, m and s.
 
     Examples
     --------
@@ -21,9 +17,9 @@ class Dimension(NamedTuple):
     'kg'
     """
 
-    mass: int = 0
-    length: int = 0
-    time: int = 0
+    mass: int = 0  #: Exponent of kg [1]
+    length: int = 0  #: Exponent of m [1]
+    time: int = 0  #: Exponent of s [1]
 
     @property
     def unit(self) -> str:

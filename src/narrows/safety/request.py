@@ -28,22 +28,6 @@ class Disturbance(Aliased):
 
     Raises an InputError if a number is negative (except the lever), or not finite.
 
-    Parameters
-    ----------
-    heading_deg : float [deg]
-        Heading deviation at the start: standard deviation of normal samples.
-    offset : float [m]
-        Offset from the line at the start: likewise.
-    gust : float [N]
-        Sway force from the start on, to starboard or to port with equal probability.
-    gust_lever : float [m]
-        Lever of that force, forward of midship.
-    gust_time : float [s]
-        Its duration.
-    wind : float [m/s], optional
-        Wind behind the forces, for the description only.
-    steady : float [N]
-        Sway force of a steady wind, with the same lever and from the same side as the gust, which adds to it.
 
     Examples
     --------
@@ -51,12 +35,13 @@ class Disturbance(Aliased):
     300.0
     """
 
-    heading_deg: float = 2.0
-    offset: float = 0.0
-    gust: float = 0.0
-    gust_lever: float = 0.0
-    gust_time: float = 60.0
-    wind: float | None = None
+    heading_deg: float = 2.0  #: Heading deviation at the start [deg]: standard deviation of normal samples
+    offset: float = 0.0  #: Offset from the line at the start [m]: likewise a standard deviation
+    gust: float = 0.0  #: Sway force from the start on [N], to starboard or to port with equal probability
+    gust_lever: float = 0.0  #: Lever of that force [m], forward of midship
+    gust_time: float = 60.0  #: Its duration [s]
+    wind: float | None = None  #: Wind behind the forces [m/s], for the description only
+    #: Sway force of a steady wind [N], with the same lever and from the same side as the gust, which adds to it
     steady: float = 0.0
 
     def __post_init__(self) -> None:

@@ -32,25 +32,19 @@ def _attribute(name: str, meaning: str) -> Any:
 
 @dataclass(frozen=True, repr=False)
 class SafeEnvelope(BaseResult):
-    """The safe area of a ship, with its assumptions.
+    """The safe area of a ship, with its assumptions."""
 
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Over y [m] and u [m/s], the rudder [rad] of the steady course: ``rudder``, the median of the samples;
-        ``rudder_low`` and ``rudder_high``, the central 90 %; ``rudder_95``, the size that 95 % do not exceed,
-        infinite if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients.
-        Shares of the samples: ``found``, with a
-        steady course; ``holds``, whose course leaves the reserve; ``held``, held by the pilot for the best estimate;
-        ``known``, held by that pilot or by one with the true coefficients. ``held_low`` and ``held_high``: the 95 %
-        interval for the number of samples. ``certain``: share of the disturbances in which a pilot
-        with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
-        ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Attributes:
-        ship, canal, weather, notes, pilot, offsets at which the keel meets the banks [m], beam [m], rudder limit
-        [rad] and reserve, number of samples, tested speeds [m/s] and offsets [m], untested ratios of the section,
-        undetermined bank coefficients, published rules.
-    """
-
+    #: Over y [m] and u [m/s], the rudder [rad] of the steady course: ``rudder``, the median of the samples;
+    #: ``rudder_low`` and ``rudder_high``, the central 90 %; ``rudder_95``, the size that 95 % do not exceed, infinite
+    #: if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients. Shares of the samples:
+    #: ``found``, with a steady course; ``holds``, whose course leaves the reserve; ``held``, held by the pilot for the
+    #: best estimate; ``known``, held by that pilot or by one with the true coefficients. ``held_low`` and
+    #: ``held_high``: the 95 % interval for the number of samples. ``certain``: share of the disturbances in which a
+    #: pilot with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
+    #: ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Attributes:
+    #: ship, canal, weather, notes, pilot, offsets at which the keel meets the banks [m], beam [m], rudder limit [rad]
+    #: and reserve, number of samples, tested speeds [m/s] and offsets [m], untested ratios of the section, undetermined
+    #: bank coefficients, published rules.
     data: xr.Dataset
 
     def __repr__(self) -> str:

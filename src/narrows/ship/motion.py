@@ -15,22 +15,6 @@ class Motion:
 
     x runs along the canal, y to starboard of the centreline; psi and r are clockwise seen from above.
 
-    Parameters
-    ----------
-    x, y : number [m]
-        Position of midship in the canal.
-    cos_psi, sin_psi : number [1]
-        Cosine and sine of the heading.
-    u, v : number [m/s]
-        Surge and sway velocity through the water.
-    r : number [rad/s]
-        Yaw rate.
-    udot, vdot : number [m/s2]
-        Surge and sway acceleration, in the ship's axes.
-    rdot : number [rad/s2]
-        Yaw acceleration.
-    heave : number [m]
-        Midship sinkage, positive down.
 
     Examples
     --------
@@ -39,17 +23,17 @@ class Motion:
     -6.8
     """
 
-    x: Number = 0.0
-    y: Number = 0.0
-    cos_psi: Number = 1.0
-    sin_psi: Number = 0.0
-    u: Number = 0.0
-    v: Number = 0.0
-    r: Number = 0.0
-    udot: Number = 0.0
-    vdot: Number = 0.0
-    rdot: Number = 0.0
-    heave: Number = 0.0
+    x: Number = 0.0  #: Position of midship along the canal [m]
+    y: Number = 0.0  #: Position of midship to starboard of the centreline [m]
+    cos_psi: Number = 1.0  #: Cosine of the heading [1]
+    sin_psi: Number = 0.0  #: Sine of the heading [1]
+    u: Number = 0.0  #: Surge velocity through the water [m/s]
+    v: Number = 0.0  #: Sway velocity through the water [m/s]
+    r: Number = 0.0  #: Yaw rate [rad/s]
+    udot: Number = 0.0  #: Surge acceleration [m/s2], in the ship's axes
+    vdot: Number = 0.0  #: Sway acceleration [m/s2], in the ship's axes
+    rdot: Number = 0.0  #: Yaw acceleration [rad/s2]
+    heave: Number = 0.0  #: Midship sinkage [m], positive down
 
     @classmethod
     def at(cls, psi: Number = 0.0, **rest: Number) -> "Motion":

@@ -21,27 +21,6 @@ class Ship(BaseSummary):
 
     Raises an InputError if a particular is not a positive number or the block coefficient is over 1.
 
-    Parameters
-    ----------
-    length : float [m]
-        Length between perpendiculars.
-    beam : float [m]
-        Moulded beam.
-    draft : float [m]
-        Draft at rest, T0.
-    block_coefficient : float [1]
-        Displaced volume over length x beam x draft.
-    mass : float [kg], optional
-        Displacement.
-    inertia : float [kg m2], optional
-        Yaw moment of inertia about midship.
-    x_g : float [m], optional
-        Position of the centre of gravity, forward of midship.
-    flow_straightening : float [1], optional
-        Ratio of the flow across the rudder to that across the stern, over the rudder's flow along; for terms of the
-        rudder.
-    name : str, optional
-        Name in reports.
 
     Examples
     --------
@@ -49,15 +28,17 @@ class Ship(BaseSummary):
     230.0
     """
 
-    length: float
-    beam: float
-    draft: float
-    block_coefficient: float
-    mass: float | None = None
-    inertia: float | None = None
-    x_g: float | None = None
+    length: float  #: Length between perpendiculars [m]
+    beam: float  #: Moulded beam [m]
+    draft: float  #: Draft at rest [m], T0
+    block_coefficient: float  #: Displaced volume over length x beam x draft [1]
+    mass: float | None = None  #: Displacement [kg]
+    inertia: float | None = None  #: Yaw moment of inertia about midship [kg m2]
+    x_g: float | None = None  #: Position of the centre of gravity [m], forward of midship
+    #: Ratio of the flow across the rudder to that across the stern [1], over the rudder's flow along; for terms of the
+    #: rudder
     flow_straightening: float | None = None
-    name: str = "ship"
+    name: str = "ship"  #: Name in reports
 
     def __post_init__(self) -> None:
         check_fields(self, {entry.name: entry.name for entry in fields(self) if entry.name != "name"}, "ship")
@@ -84,12 +65,6 @@ class Canal(Aliased):
 
     Raises an InputError if a value is not a positive number.
 
-    Parameters
-    ----------
-    width : float [m]
-        Distance from wall to wall.
-    depth : float [m], optional
-        Water depth.
 
     Examples
     --------
@@ -97,8 +72,8 @@ class Canal(Aliased):
     'a canal 300 m wide, 16 m deep'
     """
 
-    width: float
-    depth: float | None = None
+    width: float  #: Distance from wall to wall [m]
+    depth: float | None = None  #: Water depth [m]
 
     def __post_init__(self) -> None:
         check_fields(self, {"width": "width", "depth": "depth"}, "canal")
@@ -121,10 +96,6 @@ class Water(Aliased):
 
     Raises an InputError if the density is not a number near that of water.
 
-    Parameters
-    ----------
-    density : float [kg/m3]
-        Mass density.
 
     Examples
     --------
@@ -132,7 +103,7 @@ class Water(Aliased):
     1025.0
     """
 
-    density: float = 1000.0
+    density: float = 1000.0  #: Mass density [kg/m3]
 
     def __post_init__(self) -> None:
         check_fields(self, {"density": "density"}, "water")
@@ -153,26 +124,6 @@ class Configuration(BaseSummary):
 
     Raises an InputError if the ship is wider than the canal or draws more than the depth, or a section is given twice.
 
-    Parameters
-    ----------
-    ship : Ship
-        The hull.
-    canal : Canal
-        The banks, and the depth if it is constant.
-    water : Water
-        The water.
-    depths : mapping of str to float [m], optional
-        Water depth of each condition of a table with several.
-    steering : SteeringGear, optional
-        Steering gear; the default ``gear`` is that of the rules.
-    propeller : Propeller, optional
-        For terms of the MMG standard method.
-    rudder : Rudder, optional
-        For terms of the MMG standard method.
-    others : tuple of Part
-        The user's own actuator sections.
-    notes : tuple of str
-        Values that a file did not give, and what is assumed.
 
     Examples
     --------
@@ -181,15 +132,16 @@ class Configuration(BaseSummary):
     300.0
     """
 
-    ship: Ship
-    canal: Canal
-    water: Water = Water()
+    ship: Ship  #: The hull
+    canal: Canal  #: The banks, and the depth if it is constant
+    water: Water = Water()  #: The water
+    #: Water depth of each condition of a table with several [m]
     depths: Mapping[str, float] = field(default_factory=dict)
-    steering: SteeringGear | None = None
-    propeller: Propeller | None = None
-    rudder: Rudder | None = None
-    others: tuple[Part, ...] = ()
-    notes: tuple[str, ...] = field(default=(), compare=False)
+    steering: SteeringGear | None = None  #: Steering gear; the default ``gear`` is that of the rules
+    propeller: Propeller | None = None  #: Propeller for terms of the MMG standard method
+    rudder: Rudder | None = None  #: Rudder for terms of the MMG standard method
+    others: tuple[Part, ...] = ()  #: The user's own actuator sections
+    notes: tuple[str, ...] = field(default=(), compare=False)  #: Values that a file did not give, and what is assumed
 
     def __post_init__(self) -> None:
         sections = [part.SECTION for part in self._given]

@@ -44,30 +44,6 @@ class Waterway(BaseSummary):
     Raises an InputError if a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a
     depth is missing or not positive; the sentence names the place.
 
-    Parameters
-    ----------
-    line : Centreline
-        The centreline.
-    starboard, port : Bank
-        The banks.
-    depths : pair of arrays [m], optional
-        Places along the line, and the depth at each.
-    current : float [m/s] or pairs
-        Speed of the water along the line at its beginning, from where the same discharge passes every section; or
-        (place [m], speed [m/s]) pairs, linear between places.
-    level : float [m]
-        Water level above the datum of the depths.
-    name : str
-        Name.
-    origin : pair of float [deg], optional
-        Longitude and latitude of east 0, north 0.
-    step : float [m], optional
-        Spacing of the nodes of the simulation's table, which is linear between them; default: a quarter of the ship's
-        beam, which locates a contact within a hundredth of the beam.
-    current_across : float [m/s] or pairs
-        Speed of the water to starboard of the line, everywhere or as pairs.
-    current_shear : float [1/s] or pairs
-        Rise of the speed along the line for each metre to starboard of it, likewise.
 
     Examples
     --------
@@ -75,17 +51,21 @@ class Waterway(BaseSummary):
     300.0
     """
 
-    line: Centreline
-    starboard: Bank
-    port: Bank
-    depths: tuple[np.ndarray, np.ndarray] | None = None
+    line: Centreline  #: The centreline
+    starboard: Bank  #: The bank to starboard
+    port: Bank  #: The bank to port
+    depths: tuple[np.ndarray, np.ndarray] | None = None  #: Places along the line [m], and the depth at each
+    #: Speed of the water along the line at its beginning, from where the same discharge passes every section; or (place
+    #: [m], speed [m/s]) pairs, linear between places
     current: Profile = 0.0
-    level: float = 0.0
-    name: str = "waterway"
-    origin: tuple[float, float] | None = None
+    level: float = 0.0  #: Water level above the datum of the depths [m]
+    name: str = "waterway"  #: Name
+    origin: tuple[float, float] | None = None  #: Longitude and latitude of east 0 [deg], north 0
+    #: Spacing of the nodes of the simulation's table [m], which is linear between them; default: a quarter of the
+    #: ship's beam, which locates a contact within a hundredth of the beam
     step: float | None = None
-    current_across: Profile = 0.0
-    current_shear: Profile = 0.0
+    current_across: Profile = 0.0  #: Speed of the water to starboard of the line [m/s], everywhere or as pairs
+    current_shear: Profile = 0.0  #: Rise of the speed along the line for each metre to starboard of it [1/s], likewise
 
     def __post_init__(self) -> None:
         for name in ("current", "current_across", "current_shear"):
