@@ -6,7 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from narrows.logbook.transits.transit_twins import (
+
+import narrows as nw
+from engine_models import steered
+from narrows.logbook.steady_legs.plan_steady import PlannedLeg, best_pairs, usual_offsets, usual_speeds
+from narrows.logbook.steady_legs.steady_readings import left_over, shared_errors, steady_push
+from narrows.logbook.transits import (
     TransitConditions,
     TransitPilot,
     TransitTwin,
@@ -15,11 +20,6 @@ from narrows.logbook.transits.transit_twins import (
     recorded,
     wandering,
 )
-
-import narrows as nw
-from engine_models import steered
-from narrows.logbook.steady_legs.plan_steady import PlannedLeg, best_pairs, usual_offsets, usual_speeds
-from narrows.logbook.steady_legs.steady_readings import left_over, shared_errors, steady_push
 
 DEGREE, KNOT = math.pi / 180, 1852 / 3600
 DENSITY = 1.225  # of air [kg/m3]
