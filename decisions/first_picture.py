@@ -23,7 +23,7 @@ def figure() -> Figure:
     drawn = Figure(figsize=(10.0, 3.2), layout="constrained")
     left, right = drawn.subplots(1, 2, width_ratios=[1, 1.7])
     _ship(left, model)
-    paths_on(right, [nw.simulate(model, y=y, u=SPEED) for y in STARTS], model.configuration)
+    paths_on(right, [nw.simulate(model, y=y, u=SPEED) for y in STARTS])
     right.set_title(f"Three voyages at {SPEED:g} m/s without a rudder, to the grounding", loc="left")
     return drawn
 

@@ -89,8 +89,6 @@ def test_a_niche_is_hidden_behind_its_entrance() -> None:
     )
 
 
-BEND = np.linspace(0, np.pi / 2, 40)
-CIRCLE = np.stack([300 * (1 - np.cos(BEND)), 300 * np.sin(BEND)], axis=1)
 STRAIGHT = np.array([[0.0, 0.0], [0.0, 1000.0]])
 
 
@@ -105,7 +103,6 @@ STRAIGHT = np.array([[0.0, 0.0], [0.0, 1000.0]])
         (STRAIGHT, [[50, 500], [50, 500]], "needs two points or more"),
         (STRAIGHT, [[50, 500], [50, float("nan")]], "needs two points or more"),
         (STRAIGHT, [50, 500], "needs two points or more"),
-        (CIRCLE, [[500, 10], [500, -10], [290, -300]], r"beyond the centre of the bend there, of radius 30\d m"),
     ],
 )
 def test_banks_that_cannot_be_are_named_with_their_place(line: np.ndarray, points: list, said: str) -> None:

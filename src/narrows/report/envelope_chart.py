@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -69,25 +68,23 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
 
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     """Draw contours of the shares of cases, none between untested speeds; return further legend keys."""
+    envelope = _widened(envelope)
     data = envelope.data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
-    if len(y) > 1 and len(u) > 1:
-        held = data["held"].to_numpy().T
-        by_model = np.where(data["clear"].to_numpy()[:, None], held, 0.0)
-        if (by_model >= SURE_SHARE).any():  # The part that was tested is filled above it
-            areas = axes.contourf(y, u, by_model, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
-            areas.set_edgecolor(PURPLE)
-            areas.set_linewidth(0.0)
-        for name, colour, edge, width in (("known", PALER, BLUE, 0.9), ("held", PALE, BLACK, 1.8)):
-            share = np.where(_counted(envelope), data[name].to_numpy().T, 0.0)
-            if (share >= SURE_SHARE).any():
-                axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=[colour])
-            _line(axes, y, u, share, SURE_SHARE, "-", width, edge)
-        _line(axes, y, u, held, MEDIAN, "--", 1.0)
-        for name in ("held_low", "held_high"):
-            _line(axes, y, u, data[name].to_numpy().T, SURE_SHARE, ":", 1.0)
-    else:
-        _draw_marks(axes, envelope)
+    held = data["held"].to_numpy().T
+    by_model = np.where(data["clear"].to_numpy()[:, None], held, 0.0)
+    if (by_model >= SURE_SHARE).any():  # The part that was tested is filled above it
+        areas = axes.contourf(y, u, by_model, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
+        areas.set_edgecolor(PURPLE)
+        areas.set_linewidth(0.0)
+    for name, colour, edge, width in (("known", PALER, BLUE, 0.9), ("held", PALE, BLACK, 1.8)):
+        share = np.where(_counted(envelope), data[name].to_numpy().T, 0.0)
+        if (share >= SURE_SHARE).any():
+            axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=[colour])
+        _line(axes, y, u, share, SURE_SHARE, "-", width, edge)
+    _line(axes, y, u, held, MEDIAN, "--", 1.0)
+    for name in ("held_low", "held_high"):
+        _line(axes, y, u, data[name].to_numpy().T, SURE_SHARE, ":", 1.0)
     handles = _shade(axes, envelope, y, u)
     axes.set_ylabel("speed through the water [knots]")
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
@@ -111,20 +108,17 @@ def _line(
         axes.contour(y, u, share, levels=[level], colors=[colour], linestyles=[style], linewidths=[width])
 
 
-def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
-    counted = xr.DataArray(_counted(envelope).T, dims=("y", "u"))
-    for safe, colour in (
-        (envelope.by_model(), "none"),
-        (envelope.by_some_helm() & counted, PALER),
-        (envelope.by_model() & counted, PALE),
-    ):
-        where = safe.stack(place=("y", "u"))
-        safe = where[where.to_numpy()]
-        axes.scatter(safe["y"], safe["u"] / KNOT, color=colour, edgecolor=BLACK, lw=0.6, s=40, zorder=3)
+def _widened(envelope: SafeEnvelope) -> SafeEnvelope:
+    """Return an envelope of one offset or one speed as a strip about it, since contours need two."""
+    data = envelope.data
+    for name, half in (("y", sum(envelope.walls) / 50), ("u", 0.5 * KNOT)):
+        if data.sizes[name] == 1:
+            data = data.isel({name: [0, 0]}).assign_coords({name: data[name].item() + half * np.array([-1.0, 1.0])})
+    return SafeEnvelope(data)
 
 
 def _half(values: np.ndarray) -> float:
-    return float(values[-1] - values[0]) / max(len(values) - 1, 1) / 2 or 0.5
+    return float(values[-1] - values[0]) / (len(values) - 1) / 2
 
 
 def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
@@ -136,13 +130,13 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
         engine = "" if data["driven"].all() else ", engine"
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
     (port, starboard), (slow, fast) = envelope.walls, (u[0] - _half(u), u[-1] + _half(u))
-    if min(len(y), len(u)) > 1:  # Offsets and speeds that were not computed should not look unsafe.
-        look: dict[str, Any] = {"facecolor": "0.92", "lw": 0, "zorder": 0.5}
-        for low, high in ((-abs(port), y[0]), (y[-1], starboard)):
-            axes.axvspan(low, high, **look)
-        for low, high in ((slow, u[0]), (u[-1], fast)):
-            axes.axhspan(low, high, **look)
-        handles.append(Patch(label="not computed", **look))
+    # Offsets and speeds that were not computed should not look unsafe.
+    look: dict[str, Any] = {"facecolor": "0.92", "lw": 0, "zorder": 0.5}
+    for low, high in ((-abs(port), y[0]), (y[-1], starboard)):
+        axes.axvspan(low, high, **look)
+    for low, high in ((slow, u[0]), (u[-1], fast)):
+        axes.axhspan(low, high, **look)
+    handles.append(Patch(label="not computed", **look))
     far = data.attrs.get("tested_offset", (0.0, np.inf))[1]
     tested = [edge / KNOT for edge in data.attrs.get("tested_speed", ()) if slow < edge / KNOT < fast]
     lines = [axes.axhline(edge, color=PURPLE, lw=1.2) for edge in tested]

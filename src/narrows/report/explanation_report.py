@@ -104,7 +104,7 @@ def _figures(reproduced: Reproduction) -> dict[str, dict[str, str]]:
         "forces": (draw.forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
         "shapley": (draw.shapley_figure(fit), "Shapley shares under three value functions."),
         "paths": (
-            paths_figure(list(reproduced.voyages.values()), configuration),
+            paths_figure(list(reproduced.voyages.values())),
             "Voyages from the starts of the table, hull corners.",
         ),
         "distance": (

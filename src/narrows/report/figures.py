@@ -188,7 +188,7 @@ FIGURES: dict[type, Callable[[Any], Figure]] = {
     CaptiveTests: motions_figure,
     Plan: precision_figure,
     Model: model_figure,
-    Reproduction: lambda result: paths_figure(list(result.voyages.values()), result.truth.configuration),
+    Reproduction: lambda result: paths_figure(list(result.voyages.values())),
     Voyage: voyage_figure,
     Waterway: waterway_figure,
     Trials: manoeuvres_figure,

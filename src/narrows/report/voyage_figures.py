@@ -87,7 +87,7 @@ def voyage_figure(voyage: Voyage) -> Figure:
 
 def _draw_path(axes: Axes, voyage: Voyage) -> None:
     if voyage.waterway is None:
-        paths_on(axes, [voyage], voyage.configuration)
+        paths_on(axes, [voyage])
     else:
         track_on_map(axes, voyage, voyage.waterway)
 
@@ -130,16 +130,16 @@ def waterway_figure(waterway: Waterway) -> Figure:
     return figure
 
 
-def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:
+def paths_figure(voyages: Sequence[Voyage]) -> Figure:
     figure, axes = panels(1, 1, 3.6, grid="")
-    paths_on(axes[0, 0], voyages, configuration)
+    paths_on(axes[0, 0], voyages)
     return figure
 
 
-def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration) -> None:
-    far = max(float(v.x.max()) for v in voyages) + configuration.ship.length
-    near = min(float(v.x.min()) for v in voyages) - configuration.ship.length
-    half = walls_on(axes, near, far, configuration.canal.width / 2)
+def paths_on(axes: Axes, voyages: Sequence[Voyage]) -> None:
+    length = voyages[0].configuration.ship.length
+    far, near = max(float(v.x.max()) for v in voyages) + length, min(float(v.x.min()) for v in voyages) - length
+    half = banks_on(axes, near, far, voyages[0])
     for voyage in voyages:
         colour = _colour(voyage)
         axes.plot(voyage.x, voyage.y, color=colour, linewidth=1.0, linestyle="-" if colour == BLUE else "--")
@@ -154,21 +154,16 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration
 
 def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
     """Draw the banks along the line of a voyage, and return the distance of the farther one."""
-    if voyage.waterway is None:
-        return walls_on(axes, near, far, voyage.configuration.canal.width / 2)
-    s = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS)
-    room = voyage.waterway.keel_section(s, voyage.configuration.ship.draft)
-    banks = [room.middle + sign * room.width / 2 for sign in (-1, 1)]
+    ends = [near, far]
+    banks = [np.full(2, side * voyage.configuration.canal.width / 2) for side in (-1, 1)]
+    if voyage.waterway is not None:
+        ends = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS).tolist()
+        clear = voyage.waterway.keel_section(np.array(ends), voyage.configuration.ship.draft)
+        banks = [clear.middle + side * clear.width / 2 for side in (-1, 1)]
     for bank in banks:
-        axes.plot(s, bank, color=PANEL_GREY, linewidth=2)
+        axes.plot(ends, bank, color=PANEL_GREY, linewidth=2)
+        axes.fill_between(ends, bank, bank * 1.12, color=PANEL_GREY, alpha=0.35, linewidth=0)
     return float(np.abs(banks).max())
-
-
-def walls_on(axes: Axes, near: float, far: float, half: float) -> float:
-    for sign in (-1, 1):
-        axes.plot([near, far], [sign * half] * 2, color=PANEL_GREY, linewidth=2)
-        axes.fill_between([near, far], sign * half, sign * half * 1.12, color=PANEL_GREY, alpha=0.35, linewidth=0)
-    return half
 
 
 def _colour(voyage: Voyage) -> str:

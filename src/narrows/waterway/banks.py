@@ -13,8 +13,6 @@ from narrows.waterway.centreline import FARTHEST, Centreline, chords
 # Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a
 # note.
 SLACK = 0.06
-# Places between two corners at which distances are checked.
-BETWEEN = 8
 # Places along a bank at which its side of the line is checked.
 ALONG = 4000
 
@@ -100,7 +98,6 @@ class BankLine:
         if (pieces < 0).any():
             place = corners[int((pieces < 0).argmax())]
             raise InputError(f"the normal of the centreline at {place:.0f} m meets no {self.side} bank; draw it there")
-        self._check_distance()
 
     @property
     def corners(self) -> np.ndarray:
@@ -134,23 +131,6 @@ class BankLine:
         if not seen.size:
             raise InputError(f"no normal of the centreline meets the {self.side} bank; draw it along the whole of it")
         return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
-
-    def _check_distance(self) -> None:
-        """Check at every corner, between them, and between the points of the line."""
-        corners, fine = self.corners, self.line.fine
-        between = (corners[:-1] + np.linspace(1e-6, 1 - 1e-6, BETWEEN)[:, None] * np.diff(corners)).ravel()
-        within = fine[(fine > corners[0]) & (fine < corners[-1])]
-        s = np.concatenate([between, within])
-        distance = np.concatenate([self.distance(between), self._normals.first(within)[0]])
-        refuse_crossing(self.side, s, ~(distance > 0))
-        bend = self._normals.sign * self.line.curvature(s)
-        beyond = bend * distance >= 1
-        if beyond.any():
-            first = int(beyond.argmax())
-            raise InputError(
-                f"the normal of the centreline at {s[first]:.0f} m meets the {self.side} bank beyond the centre of the "
-                f"bend there, of radius {1 / bend[first]:.0f} m; give the centreline fewer points, or mend the bank"
-            )
 
 
 def refuse_crossing(side: str, s: np.ndarray, wrong: np.ndarray) -> None:
