@@ -603,9 +603,24 @@ def test_columns_have_their_other_names_in_brackets() -> None:
     assert [*TESTS()[["v", "N"]].columns] == [*voyage()[["v", "r"]].columns[:1], "N"]
 
 
+def test_methods_accept_the_other_names_of_arguments() -> None:
+    names = {"y": [0.0, 20.0], "u": [3.0, 5.0], "samples": 10}
+    envelope = nw.safe_envelope(KCS, **names)
+    assert envelope.highest_speed(offset="10 m").equals(envelope.highest_speed(10.0))
+    assert voyage()[-1].equals(voyage().final)
+    assert voyage()[voyage().t > 5]["t"].min() > 5
+    with pytest.raises(nw.InputError, match="is no share from 0 to 1"):
+        envelope.safe(20.0)
+
+
 @pytest.mark.parametrize(
     ("ask", "told"),
     [
+        ("float(nw.squat(nw.published('estimated_kcs'), 4.0))", "a Squat is no number; take one of its own: sinkage"),
+        ("f'{model:.2f}'", "a Model is no number"),
+        ("model.plot(x='x')", "write ax=..., or to_dataframe"),
+        ("model.bank_forces(u=1.0)", "write motion=nw.Motion"),
+        ("nw.simulate(model, y=0.5, rudder=lambda t: 0.1)", "controller=... takes a function of time and state"),
         ("nw.predict", r"write .predict of a Model or Fit"),
         ("nw.control.damp", "write .damp of a LinearSystem"),
         ("nw.control.zigzag", "write nw.zigzag"),
@@ -619,5 +634,5 @@ def test_columns_have_their_other_names_in_brackets() -> None:
     ],
 )
 def test_what_is_elsewhere_is_named(ask: str, told: str) -> None:
-    with pytest.raises((AttributeError, nw.InputError), match=told):
+    with pytest.raises((AttributeError, TypeError, nw.InputError), match=told):
         eval(ask, {"nw": nw, "model": DTC})

@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 from dis import opname
 from functools import cache, partial
 from html import escape
-from inspect import isfunction, signature
+from inspect import CO_VARKEYWORDS, isfunction, signature
 from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.base.aliases import aliases, name_here, unit_of
+from narrows.base.aliases import accept_aliases, aliases, name_here, unit_of
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.files import write_whole
 from narrows.base.saving import FORMS, csv_of, forms_of, to_json, write
@@ -204,6 +204,15 @@ class BaseSummary(Aliased):
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {shortened(self.summary())}>"
 
+    def __float__(self) -> float:
+        numbers = [name for name, value in vars(self).items() if isinstance(value, float)]
+        raise TypeError(
+            f"a {type(self).__name__} is no number; take one of its own: {', '.join(numbers) or 'its columns'}"
+        )
+
+    def __format__(self, form: str) -> str:
+        return format(float(self), form) if form else str(self)
+
     def _repr_html_(self) -> str:
         said: Any = self
         lines = "<br>".join(escape(line) for line in said.summary().splitlines())
@@ -219,10 +228,18 @@ class BaseResult(BaseSummary):
     several dimensions ``dataset()``.
     """
 
+    def __init_subclass__(cls) -> None:
+        """Accept the other names of arguments in methods, and answer wrong ones, as public functions do."""
+        for name, method in [*vars(cls).items()]:
+            code = getattr(method, "__code__", None)
+            if code and name[0] != "_" and code.co_argcount > 1 and not code.co_flags & CO_VARKEYWORDS:
+                setattr(cls, name, accept_aliases(method))
+
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
         raise NotImplementedError
 
+    @accept_aliases
     def plot(self, ax: "Axes | str | Path | None" = None) -> "Figure":
         """Draw it, as a Matplotlib figure: one panel, or its main one, on Axes ``ax`` if given.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.base.errors import InputError, shown
 from narrows.base.results import BaseResult
 from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation, unknown_ranges
 from narrows.model.model import Model
@@ -106,8 +107,10 @@ class SafeEnvelope(BaseResult):
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return where it is safe, (y, u): by the model, within the tested range, and in a tested section.
 
-        ``share`` is the least share of the samples [1].
+        ``share`` is the least share of the samples [1]; an InputError if it is not from 0 to 1.
         """
+        if not 0 <= share <= 1:
+            raise InputError(f"share = {shown(share)} is no share from 0 to 1; safe() has all offsets and speeds")
         return (self.data["held"] >= share) & self.data["clear"] & self._covered
 
     @property

@@ -72,7 +72,8 @@ def _finite(name: str, value: Any) -> float:
         state = name == "x" and isinstance(value, list | tuple | np.ndarray)
         hint = "; x is the place along the canal [m], and a state is given by name: y=0.5, u=1.0, psi=0.0" * state
         several = "; nw.ensemble takes several" * isinstance(value, list | tuple | np.ndarray)
-        raise InputError(f"{name} = {shown(value)} must be a finite number{hint or several}")
+        steered = "; controller=... takes a function of time and state" * callable(value)
+        raise InputError(f"{name} = {shown(value)} must be a finite number{hint or several or steered}")
     if not abs(number) < LARGEST:
         raise InputError(f"{name} = {shown(value)} is beyond all measure; check its unit")
     return number

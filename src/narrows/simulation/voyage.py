@@ -87,10 +87,11 @@ class Voyage(Tabulated):
     def __len__(self) -> int:
         return len(self.t)
 
-    def __getitem__(self, name: str | slice | list[str]) -> Any:
-        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders; several as a table."""
-        if isinstance(name, slice | list):
-            return self.to_dataframe()[name]
+    def __getitem__(self, name: Any) -> Any:
+        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator's; rows or several as a table."""
+        if not isinstance(name, str):
+            rows = self.to_dataframe()
+            return rows.iloc[name] if isinstance(name, int | np.integer) else rows[name]
         moved = {actuator.name: column for actuator, column in self.moved.items()}
         name = name_here(name, "attributes", {*COLUMNS, *moved}.__contains__) or name
         check_choice("column", name, (*COLUMNS, *moved))
