@@ -352,14 +352,8 @@ def test_an_address_that_is_none_is_one_sentence(address: str) -> None:
 
 def test_a_serial_line_is_opened_when_it_is_read() -> None:
     one: Connection = connection_of("serial:///dev/no-such-line?baud=38400")
-    why, stop = list[str](), threading.Event()
-
-    def broken(reason: str) -> None:
-        why.append(reason)
-        stop.set()
-
-    assert list(one.pieces(stop, broken)) == []
-    assert "no-such-line" in why[0]
+    with pytest.raises(OSError, match="no-such-line"):
+        next(one.opened())
 
 
 def test_late_shuffled_and_repeated_lines_are_as_the_clean_recording(tmp_path: Path) -> None:

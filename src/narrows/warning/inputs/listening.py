@@ -41,7 +41,7 @@ class Connection:
     # Opens it and reads it piece by piece; raises an OSError where it breaks, and closes it when nobody reads on
     opened: Callable[[], Generator[Piece]]
 
-    def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[Piece]:
+    def pieces(self, stop: Event) -> Iterator[Piece]:
         pause = settings.FIRST_PAUSE
         while not stop.is_set():
             try:
@@ -52,8 +52,7 @@ class Connection:
                         if piece.content:
                             pause = settings.FIRST_PAUSE
                             yield piece
-            except OSError as error:
-                broken(reason(error))
+            except OSError:
                 stop.wait(pause)
                 pause = min(2 * pause, settings.LONGEST_PAUSE)
 
@@ -62,7 +61,6 @@ class Listening:
     def __init__(self, connections: Sequence[Connection], mmsi: int | None = None, peers: Iterable[str] = ()) -> None:
         self._peers = frozenset(peers)  # Hosts or devices whose commands (ACN) are taken
         self.inbox, self.decoder, self._stop = Inbox(), NmeaDecoder(mmsi), Event()
-        self.broken: dict[str, str] = {}
         self._faults = [Counter[str]() for _ in connections]
         self._threads = [
             Thread(target=self._listen, args=own, daemon=True) for own in zip(connections, self._faults, strict=True)
@@ -101,11 +99,7 @@ class Listening:
         # A datagram ends its last line, so that those of several senders do not mix.
         splitter, signal_k = LineSplitter(faults), SignalK(faults)
 
-        def broken(why: str) -> None:
-            self.broken[connection.address] = why
-
-        for content, sender in connection.pieces(self._stop, broken):
-            self.broken.pop(connection.address, None)
+        for content, sender in connection.pieces(self._stop):
             now = time.monotonic()
             if connection.signal_k:
                 for message in signal_k.deltas(content, time.time()):
@@ -200,22 +194,17 @@ class SignalK:
                 self.faults[OTHER_VESSEL] += 1
                 return
             for update in message.get("updates", ()):
-                if self._is_old(update.get("timestamp"), since_1970):
-                    self.faults[OUT_OF_DATE] += 1
-                    continue
+                if stamp := update.get("timestamp"):  # A message without a time is of now.
+                    at = datetime.fromisoformat(stamp)
+                    at = at if at.tzinfo else at.replace(tzinfo=UTC)
+                    if abs(since_1970 - at.timestamp()) > settings.SIGNAL_K_AGE:
+                        self.faults[OUT_OF_DATE] += 1
+                        continue
                 values = _grouped(update.get("values", ()))
                 if any(values.values()):
                     yield DecodedMessage(values, f"{SOURCE} {update.get('$source', '')}".strip())
         except (ValueError, TypeError, AttributeError, KeyError, RecursionError, OverflowError):
             self.faults["of Signal K that cannot be understood"] += 1
-
-    def _is_old(self, stamp: Any, since_1970: float) -> bool:
-        """Return whether a message is out of date; one without a time is not."""
-        if stamp is None:
-            return False
-        at = datetime.fromisoformat(stamp)
-        at = at if at.tzinfo else at.replace(tzinfo=UTC)
-        return abs(since_1970 - at.timestamp()) > settings.SIGNAL_K_AGE
 
 
 def _grouped(pairs: Any) -> GroupedValues:

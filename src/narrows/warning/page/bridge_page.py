@@ -351,14 +351,9 @@ NO_ORIGIN = "A page of another server asks; open the monitor's own page."
 
 def _is_here(host: str) -> bool:
     """Return whether a host is a number or a name of this machine: other names may be redirected here."""
+    own = socket.gethostname().lower()
     try:
         name = (urlsplit(f"//{host}").hostname or "").rstrip(".")
-    except ValueError:
-        return False
-    own = socket.gethostname().lower()
-    if name in ("localhost", own, f"{own}.local"):
-        return True
-    try:
-        return bool(ipaddress.ip_address(name))
+        return name in ("localhost", own, f"{own}.local") or bool(ipaddress.ip_address(name))
     except ValueError:
         return False
