@@ -12,7 +12,7 @@ import narrows as nw
 from narrows.empirical.fleet import model_named
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import UNTESTED, print_envelope_along
-from narrows.safety.envelope_along import reach_at
+from narrows.safety.envelope_along import _tightest, reach_at
 from narrows.waterway import Bank, Centreline, Waterway
 
 PLACES, SPEEDS, OFFSETS = [0.0, 400.0, 1500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
@@ -155,3 +155,48 @@ def test_a_width_and_a_depth_are_those_of_the_canal(cli) -> None:
     assert there["Y_v"] != usual["Y_v"]
     code, _, err = cli(*words, *other, "--waterway", "way.geojson")
     assert (code, "--waterway has its own" in err) == (2, True)
+
+
+def bent(narrower: float) -> Waterway:
+    """300 m wide: 2000 m straight, but narrower from 500 to 1000 m, then a bend of 1500 m radius to starboard."""
+    turned = np.linspace(0.02, 0.5, 25)
+    bend = 1500 * np.stack([1 - np.cos(turned), np.sin(turned)], axis=1) + [0.0, 2000.0]
+    line = Centreline(np.concatenate([[[0.0, y] for y in range(0, 2001, 100)], bend]))
+    s, half = np.array([0.0, 490.0, 500.0, 1000.0, 1010.0, line.length]), np.full(6, 150.0)
+    half[2:4] -= narrower / 2
+    return Waterway(line, Bank("starboard", s, half + 20.0), Bank("port", s, half - 20.0), current=0.5)
+
+
+def test_the_tighter_section_is_the_one_that_leaves_less_beside_a_swept_hull() -> None:
+    """In a bend a hull of 230 m sweeps 230^2 / (8 * 1500) = 4.4 m more, and up to half again where it begins."""
+    hull = ship().configuration.ship
+    assert hull.length == pytest.approx(230.0)
+    (wide,), (narrow,) = (_tightest(hull, bent(narrower), np.array([1400.0])) for narrower in (3.8, 7.0))
+    assert wide > 2000.0
+    assert 500.0 <= narrow <= 1000.0
+    # Less than a thousandth tighter is as tight: of 262 m, and the place itself stays.
+    assert _tightest(hull, bent(0.25), np.array([300.0, 1400.0]))[0] == 300.0
+    assert 500.0 <= _tightest(hull, bent(0.30), np.array([300.0, 1400.0]))[0] <= 1000.0
+
+
+def test_a_reach_has_the_section_the_bend_of_its_middle_and_the_current() -> None:
+    """The middle lies 20 m to starboard of the line, towards the centre of the bend: 1480 m from it."""
+    model, there = ship(), bent(0.0)
+    reach = reach_at(model, there, 2400.0)
+    assert reach.middle == pytest.approx(20.0)
+    assert reach.asked["curvature"] == pytest.approx(1 / 1480, rel=2e-3)
+    assert reach.asked["walls"] == pytest.approx((150.0, 150.0))
+    assert reach.asked["current"] == pytest.approx(0.5)
+    assert reach.model.configuration.canal.width == pytest.approx(300.0)
+    assert reach.model.configuration.canal.depth == model.configuration.canal.depth
+
+
+def test_banks_and_reaches_are_those_of_the_waterway(found: nw.safety.EnvelopeAlong) -> None:
+    np.testing.assert_allclose(found.edges(), [0.0, 200.0, 950.0, 3000.0])
+    s, port, starboard = found.banks()
+    np.testing.assert_allclose(np.interp([0.0, 1500.0, 3000.0], s, port), [-140.0, -125.0, -110.0])
+    np.testing.assert_allclose(np.interp([0.0, 1500.0, 3000.0], s, starboard), [160.0, 140.0, 120.0])
+    assert {0.0, 200.0, 950.0, 1000.0, 2000.0} <= set(s.tolist())
+    first, _, last = found.rows()
+    assert (first["port_bank"], first["starboard_bank"]) == pytest.approx((-140.0, 160.0))
+    assert (last["port_bank"], last["starboard_bank"]) == pytest.approx((-110.0, 120.0))

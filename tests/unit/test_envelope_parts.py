@@ -12,6 +12,7 @@ import xarray as xr
 
 import narrows as nw
 from narrows.safety import headline
+from narrows.safety.envelope_along import _row
 from narrows.safety.headline import cause, crossing, largest_block, runs
 from narrows.safety.request import wind_force
 from narrows.safety.result import IN_KNOTS, SafeEnvelope, beyond_tests, data_coverage, exceeded_rules
@@ -302,3 +303,19 @@ def test_tests_cover_what_is_nearer_to_the_middle_and_between_their_speeds() -> 
     assert not data_coverage(replace(known, configuration=dry), np.zeros(1), np.array([3.0])).any()
     assert [note.split()[3] for note in beyond_tests(known, np.array([-51.0, 0.0]), np.array([3.0]))] == ["offset"]
     assert beyond_tests(known, np.array([-49.0, 0.0]), np.array([3.0])) == ()
+
+
+def test_a_row_along_a_waterway_has_the_highest_speed_and_the_widest_offsets() -> None:
+    """Ranges up to 8 knots at two offsets, from 4 knots at one of them; at 6 knots it is widest, 0.95 crossed."""
+    held = at(0.5, ([0, 4], slice(None)), (1, 0), (2, 3), (3, [0, 3]))
+    held[0, 2] = 0.75  # a fifth of the way from -10 to -20 m
+    found = SafeEnvelope(asked(held).assign_attrs(wall_port=30.0, wall_starboard=40.0))
+    row = _row(100.0, 120.0, 7.0, found)
+    assert (row["distance"], row["computed_at"], row["port_bank"], row["starboard_bank"]) == (100.0, 120.0, -23.0, 47.0)
+    expected = {"lowest_speed": 4.0, "highest_speed": 8.0, "at_speed": 6.0, "port": 7.0 - 12.0, "starboard": 7.0 + 11.0}
+    for suffix in ("", "_by_model"):
+        assert {name: row[f"{name}{suffix}"] for name in expected} == pytest.approx(expected)
+    assert row["limited_by"] == "the disturbance"  # in the middle, above 6 knots
+    untested = _row(0.0, 0.0, 0.0, SafeEnvelope(found.data.assign(tested=(("y", "u"), held < 0))))
+    assert all(math.isnan(untested[name]) for name in expected)
+    assert untested["highest_speed_by_model"] == pytest.approx(8.0)

@@ -191,12 +191,11 @@ def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarr
 
 
 def default_speeds(model: Model, count: int = SPEEDS) -> np.ndarray:
-    choke = keel_at(model, np.empty(0)).choke
-    if math.isinf(choke):
+    if model.configuration.canal.depth is None:
         raise InputError(
             "without a depth the speed has no upper limit: give the depth (--depth) or the speeds (--speed)"
         )
-    asked = np.linspace(SLOWEST, FASTEST, count) * choke
+    asked = np.linspace(SLOWEST, FASTEST, count) * choke_speed(model.configuration)
     covered = model.data_range.speed or ()
     return np.union1d(asked, [end for end in covered if asked[0] < end < asked[-1]])
 
