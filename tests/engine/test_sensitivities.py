@@ -116,7 +116,7 @@ def by_dual_numbers(tangent: TangentIntegrator, times: np.ndarray) -> np.ndarray
     from narrows.codegen.choices import ROW
 
     table = tangent.integrator.channel.table
-    system = tangent._system
+    system = tangent.integrator.system
     scope = SimpleNamespace(**system._executed("plain", functions(table, ROW)))
     unit = {name: np.array([float(name == other) for other in tangent.by]) for name in tangent.by}
     none = np.zeros(len(tangent.by))

@@ -221,7 +221,7 @@ def test_resistance_brakes_a_ship_that_goes_astern() -> None:
     [
         ({"revolutions": 1.0}, "below 0"),
         ({"delay": -1.0}, "from 0 s"),
-        ({"revolutions": -0.01}, "still makes"),
+        ({"revolutions": -0.01}, "the ship makes"),
     ],
 )
 def test_a_test_that_stops_no_ship_is_refused(told: dict[str, float], words: str) -> None:

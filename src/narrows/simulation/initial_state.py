@@ -55,7 +55,7 @@ def initial_state(
     order = steering.asked if steering else None
     order = order.begin() if isinstance(order, Controller) else order
     near = settings.NEAR_THE_BANK * float(inputs["width"])
-    integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near, order)
+    integrator = VoyageIntegrator(system, inputs, channel, near, order)
     state = run.start(values)
     start = tuple(float(state[name]) for name in system.choices.kept)
     _check_start(integrator, start)

@@ -4,12 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import SimpleNamespace
 from typing import NamedTuple
 
-from narrows.codegen.choices import LENGTH, SHARE, Choices
+from narrows.codegen.choices import LENGTH, SHARE
 from narrows.codegen.free_motion import MIDSHIP, OPEN
 from narrows.codegen.kernels import event, single
+from narrows.codegen.system import System
 from narrows.simulation import settings
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
@@ -32,8 +32,7 @@ class Row(NamedTuple):
 class VoyageIntegrator:
     """A ship under way: the lines of its step, and their inputs."""
 
-    functions: SimpleNamespace  # Functions of the system, for floats
-    choices: Choices  # Choices of a step
+    system: System
     inputs: Mapping[str, float]  # Inputs of the lines
     channel: Channel  # The water
     near: float  # Distance at which a diverging motion counts as contact [m]
@@ -42,6 +41,7 @@ class VoyageIntegrator:
     _asked: float = field(init=False, default=math.nan)
 
     def __post_init__(self) -> None:
+        self.functions, self.choices = self.system.scalar, self.system.choices
         inputs = {LENGTH: 0.0, SHARE: 1.0, **self.inputs}
         self._names = self.functions.STEP_INPUTS
         self._step_inputs = [float(inputs[name]) for name in self._names]

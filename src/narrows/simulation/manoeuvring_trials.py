@@ -387,9 +387,7 @@ def crash_stop(
     law = EngineReversal(ahead, numbers["revolutions"], numbers["delay"], numbers["reversal"])
     voyage = ship.sail(law, STOPPING_LENGTHS)
     if not voyage.u.min() < 0:
-        raise InputError(
-            f"the ship still makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions"
-        )
+        raise InputError(f"the ship makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions")
     # The forces of the hull are those ahead, so that the test ends at the first step astern.
     last = int(np.argmax(voyage.u < 0))
     voyage = ship.sail(law, voyage.t[last] * ship.speed / ship.model.configuration.ship.length)

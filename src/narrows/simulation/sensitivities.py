@@ -15,7 +15,7 @@ from narrows.base.results import BaseResult
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS
-from narrows.codegen.system import COMPLEX_STEP, System
+from narrows.codegen.system import COMPLEX_STEP
 from narrows.model.model import Model
 from narrows.ship.checks import check_angles
 from narrows.simulation.initial_state import check_positions, initial_state
@@ -143,7 +143,6 @@ class TangentIntegrator:
     numbers: Mapping[str, float]  # Pose, velocities and positions of actuators at the start
     schedules: Mapping[str, Any]  # External X, Y and N
     by: tuple[str, ...]  # Quantities of the differentiation
-    waterway: bool  # True if the section of the water changes
 
     @classmethod
     def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentIntegrator":
@@ -160,7 +159,7 @@ class TangentIntegrator:
         check_angles(numbers)
         pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())
         integrator, start = initial_state(ship, steering, numbers, waterway, pushed)
-        tangent = cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)
+        tangent = cls(ship, steering, integrator, start, numbers, schedules, tuple(by))
         for name in by:
             if name not in tangent.values:
                 known = list(tangent.values)
@@ -174,10 +173,10 @@ class TangentIntegrator:
         ship, channel = replace(self.ship, model=model), self.integrator.channel
         moved = replace(self, ship=ship)
         values = moved._ship_values
-        inputs = {**self.integrator.inputs, **values, **self._system.constants(values), **channel.inputs}
+        inputs = {**self.integrator.inputs, **values, **self.integrator.system.constants(values), **channel.inputs}
         moved = replace(moved, integrator=replace(self.integrator, inputs=inputs))
         # The generated code depends on terms and choices.
-        moved.__dict__.update({name: getattr(self, name) for name in ("_system", "_module", "_integrate")})
+        moved.__dict__.update({name: getattr(self, name) for name in ("_module", "_integrate")})
         return moved
 
     @cached_property
@@ -187,10 +186,8 @@ class TangentIntegrator:
     @cached_property
     def values(self) -> dict[str, float]:
         """Quantities that allow differentiation, with their values."""
-        parameters = self._system.parameters
-        particulars = {
-            name: self._ship_values[name] for name in parameters if name in self.ship.model.configuration.values()
-        }
+        configuration, parameters = self.ship.model.configuration.values(), self.integrator.system.parameters
+        particulars = {name: self._ship_values[name] for name in parameters if name in configuration}
         law = self.steering.parameters if self.steering else {}
         return {
             **{name: self.numbers[name] for name in START},
@@ -198,14 +195,9 @@ class TangentIntegrator:
             **{name: float(value) for name, value in particulars.items() if value is not None},
             **self.ship.model.coefficients,
             **{name: float(np.atleast_1d(np.asarray(self.schedules[name], float))[..., -1].mean()) for name in PUSHED},
-            **({"current": float(self.integrator.inputs["current"])} if self.waterway else {}),
+            **({"current": float(self.integrator.inputs["current"])} if self.integrator.choices.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
-
-    @cached_property
-    def _system(self) -> System:
-        choices = self.integrator.choices
-        return self.ship.system(choices.waterway, choices.law, choices.pushed, choices.across)
 
     def _position(self, name: str) -> float:
         kept = self.integrator.choices.kept
@@ -238,7 +230,7 @@ class TangentIntegrator:
                 angle = self._position(actuator.name)
                 parameters[f"cos_{actuator.name}"] = -math.sin(angle) * self._unit(actuator.name)
                 parameters[f"sin_{actuator.name}"] = math.cos(angle) * self._unit(actuator.name)
-        constants = self._system.constants_slopes(self._ship_values, parameters)
+        constants = self.integrator.system.constants_slopes(self._ship_values, parameters)
         law = {PARAMETER(name): self._unit(name) for name in self.by}
         pushes = {INPUTS[name]: self._unit(name) for name in PUSHED}
         moving = {**constants, **parameters, **law, **pushes}
@@ -280,9 +272,9 @@ class TangentIntegrator:
     @cached_property
     def _module(self) -> ModuleType:
         # All inputs that can have a derivative, whatever ``by`` is, so that few modules are ever made.
-        law, scalar = self.steering.parameters if self.steering else {}, self._system.scalar
+        law, scalar = self.steering.parameters if self.steering else {}, self.integrator.system.scalar
         can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self.ship.model.configuration.values(), "current"}
-        return self._system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
+        return self.integrator.system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
 
     @cached_property
     def _integrate(self) -> Callable[..., None]:
