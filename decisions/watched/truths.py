@@ -132,7 +132,7 @@ class Ships:
         values = {**self.state, **self.coefficients, "psi": 0.0, "push_end": np.inf, PARAMETER("order"): self.order}
         values |= dict.fromkeys("XYN", np.zeros(self.count))
         self._sailing = run.prepared(values, self.count, 1)
-        self._constants = run._system(values).constants
+        self._constants = run.system(values).constants
         self._inputs = {name: place for place, name in enumerate(self._sailing.kernel.VESSEL_INPUTS)}
         self._values, self._walks = ship.values(), ProcessNoise.of_length(LENGTH).by_state()
         self.banks = [term.name for term in model.terms.terms if term.from_bank]

@@ -176,8 +176,10 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     places = np.unique(np.linspace(0, grid.vessels - 1, settings.STEP_CHECK_VOYAGES).round().astype(int))
     numbers = np.unravel_index(places, tuple(grid.sizes.values()))
     index = {name: xr.DataArray(one, dims="vessel") for name, one in zip(grid.sizes, numbers, strict=True)}
-    picked = {name: value.isel(index, missing_dims="ignore") for name, value in grid.values.items()}
-    values = {name: value.to_numpy() if value.dims else float(value) for name, value in picked.items()}
+    values = {
+        name: value.isel(index, missing_dims="ignore").to_numpy() if value.dims else float(value)
+        for name, value in grid.values.items()
+    }
     again, first = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1), voyages.isel(index)
     same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
     moved = np.hypot(again["distance"] - first["distance"], again["y_end"] - first["y_end"])
