@@ -178,6 +178,9 @@ def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
         yield str(test[start]), start, stop
 
 
+Tests = CaptiveTests | StreamedTests
+
+
 @accept_aliases
 def stream_captive(
     path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),

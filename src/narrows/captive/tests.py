@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import compress, pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -50,21 +50,6 @@ class Block(NamedTuple):
     rows: int  # Number of rows
     spans: list[Span]  # Tests of the rows
     headers: Headers = NO_TABLE  # Headers of their table
-
-
-class Tests(Protocol):
-    """Interface of tests for identification, in memory or on disk."""
-
-    @property
-    def configuration(self) -> Configuration: ...
-    @property
-    def source(self) -> Source: ...
-    @property
-    def notes(self) -> tuple[str, ...]: ...
-    @property
-    def names(self) -> tuple[str, ...]: ...
-    def blocks(self, pieces: int) -> Iterator[Block]:
-        """Yield every row once, in blocks."""
 
 
 def cuts(rows: int, pieces: int) -> np.ndarray:

@@ -16,7 +16,7 @@ from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 
 if TYPE_CHECKING:
-    from narrows.captive.tests import Tests
+    from narrows.captive.read import Tests
     from narrows.model.term import TermTable
 
 

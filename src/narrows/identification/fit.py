@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.base.results import Coefficients, Named, same_content
-from narrows.captive.tests import CaptiveTests, Tests
+from narrows.captive.read import Tests
+from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions

@@ -10,8 +10,8 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
 from narrows.captive.measured import measured_files
-from narrows.captive.read import as_tests, read_captive
-from narrows.captive.tests import CaptiveTests, Tests
+from narrows.captive.read import Tests, as_tests, read_captive
+from narrows.captive.tests import CaptiveTests
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import bounded_problem
 from narrows.identification.motions import distinct_motions, numbered

@@ -19,7 +19,8 @@ import numpy as np
 
 from narrows.base.errors import InputError
 from narrows.captive.columns import check_given
-from narrows.captive.tests import Block, Tests
+from narrows.captive.read import Tests
+from narrows.captive.tests import Block
 from narrows.model.data_range import DataRange
 from narrows.model.term import Term, TermTable, uncompiled
 from narrows.quantities.names import FORCES, Number

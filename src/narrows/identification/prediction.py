@@ -11,8 +11,7 @@ import narrows
 from narrows.base.errors import check_choice
 from narrows.base.results import BaseResult, Named
 from narrows.captive.columns import check_given
-from narrows.captive.read import as_tests
-from narrows.captive.tests import Tests
+from narrows.captive.read import Tests, as_tests
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.model.term import TermTable
 from narrows.ship.ship_file import ShipSource

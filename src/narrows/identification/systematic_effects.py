@@ -1,7 +1,7 @@
 """Errors that several runs share, each with a name, a unit and a usual size: the random effects of the mixed model."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
@@ -107,14 +107,14 @@ class RunErrors(Aliased):
 
 def run_errors_of(written: str) -> RunErrors:
     """Read errors of runs, ``gain,zero,form`` and, if wished, ``scatter,hull,bank,campaign``."""
-    names = [entry.name for entry in fields(RunErrors)]
     try:
-        sizes = [float(part) for part in written.split(",")]
-    except ValueError:
-        sizes = []
-    if not 3 <= len(sizes) <= len(names):
-        raise InputError(f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02")
-    return RunErrors(**dict(zip(names, sizes, strict=False)))
+        return RunErrors(*map(float, written.split(",")))
+    except InputError:
+        raise
+    except (TypeError, ValueError):
+        raise InputError(
+            f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02"
+        ) from None
 
 
 # Name, column of one unit, usual size in that unit, group and unit of an error.

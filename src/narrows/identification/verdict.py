@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from narrows.base.results import equal_to, interval, with_error
-from narrows.captive.tests import CaptiveTests, Tests
+from narrows.captive.read import Tests
+from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.least_squares import RANK_TOLERANCE
 from narrows.identification.motions import DistinctMotions

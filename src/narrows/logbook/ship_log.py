@@ -49,23 +49,14 @@ class Signal:
         return float(np.median(np.diff(self.t))) if len(self.t) > 1 else np.inf
 
     def between(self, start: float, stop: float) -> "Signal":
-        """Return the part from one time to another, both included.
-
-        Parameters
-        ----------
-        start, stop : float [s]
-            The two times.
-        """
+        """Return the part from ``start`` to ``stop`` [s], both included."""
         kept = (self.t >= start) & (self.t <= stop)
         return Signal(self.t[kept], self.values[kept])
 
     def at(self, t: np.ndarray, longest: float = np.inf) -> np.ndarray:
-        """Interpolate between the values, straight; NaN before the first, after the last and in gaps.
+        """Interpolate linearly at times ``t`` [s]; NaN outside the signal and in gaps longer than ``longest`` [s].
 
-        Parameters
-        ----------
-        t, longest : array (times,) and float [s]
-            Times; longest gap between two values that is interpolated. The signal's own times must rise.
+        The signal's own times must rise.
         """
         if not len(self.t):
             return np.full(np.shape(t), np.nan)
@@ -129,23 +120,11 @@ class ShipRecord(Aliased):
         return self.stop - self.start
 
     def between(self, start: float, stop: float) -> "ShipRecord":
-        """Return the part from one time to another, both included.
-
-        Parameters
-        ----------
-        start, stop : float [s]
-            The two times.
-        """
+        """Return the part from ``start`` to ``stop`` [s], both included."""
         return replace(self, signals={name: own.between(start, stop) for name, own in self.signals.items()})
 
     def with_signals(self, **signals: Signal) -> "ShipRecord":
-        """Return the record with some signals added or replaced.
-
-        Parameters
-        ----------
-        **signals : Signal
-            By name.
-        """
+        """Return the record with some ``signals`` added or replaced, by name."""
         return replace(self, signals={**self.signals, **signals})
 
     def to_dataframe(self) -> "pd.DataFrame":

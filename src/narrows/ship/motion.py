@@ -37,14 +37,8 @@ class Motion:
 
     @classmethod
     def at(cls, psi: Number = 0.0, **rest: Number) -> "Motion":
-        """Return a Motion from a heading instead of its cosine and sine.
-
-        Parameters
-        ----------
-        psi : number [rad]
-            Heading, a float or a column.
-        **rest : number
-            The other fields, by name.
+        """Return a Motion from a heading ``psi`` [rad] instead of its cosine and sine; ``rest`` are the other fields,
+        by name.
         """
         of: Any = math if isinstance(psi, float | int) else np
         return cls(cos_psi=of.cos(psi), sin_psi=of.sin(psi), **rest)

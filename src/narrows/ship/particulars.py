@@ -179,13 +179,7 @@ class Configuration(BaseSummary):
         return tuple(part for part in parts if part is not None)
 
     def with_parts(self, parts: Iterable[Part]) -> "Configuration":
-        """Return the configuration with some sections of actuators changed.
-
-        Parameters
-        ----------
-        parts : iterable of Part
-            The new sections; those of other names stay.
-        """
+        """Return the configuration with other sections of actuators, ``parts``; those of other names stay."""
         new = {**self.parts, **{part.SECTION: part for part in parts}}
         fixed: dict[str, Any] = {
             part_type.SECTION: new.pop(part_type.SECTION, None) for part_type in (SteeringGear, Propeller, Rudder)

@@ -31,24 +31,17 @@ class ControlLaw(Protocol):
         """Return its numbers by name: floats, or DataArrays if they vary over a fleet."""
 
     def memory(self, start: Named) -> Named:
-        """Return its memory at the start.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            x, y [m], cos_psi, sin_psi, u, v [m/s], r [rad/s] and positions of actuators.
+        """Return its memory at the ``start``, whose names are x, y [m], cos_psi, sin_psi, u, v [m/s], r [rad/s] and
+        actuators.
         """
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         """Return orders by the names of actuators (``rudder`` [rad]), and the new memory.
 
-        Parameters
-        ----------
-        at : object
-            Its attributes are t, dt [s], the state, psi [rad], positions of actuators, the limit and rate of each
-            (``rudder_limit`` [rad], ``rudder_rate`` [rad/s]), the ``current`` along the line [m/s], parameters and
-            memory. ``water(name, x)`` gives the water at a place along the line: its ``curvature`` [1/m], and the
-            distance at which a keel meets the bank to ``starboard`` and to ``port`` [m].
+        Attributes of ``at`` are t, dt [s], the state, psi [rad], positions of actuators, the limit and rate of each
+        (``rudder_limit`` [rad], ``rudder_rate`` [rad/s]), the ``current`` along the line [m/s], parameters and memory.
+        ``water(name, x)`` gives the water at a place along the line: its ``curvature`` [1/m], and the distance at which
+        a keel meets the bank to ``starboard`` and to ``port`` [m].
         """
 
 

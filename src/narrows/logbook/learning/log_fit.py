@@ -309,13 +309,7 @@ class LogFit(LearnedAnswer):
         return {name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in rows[0]}
 
     def forecast_rmse(self, state: str) -> tuple[float, float]:
-        """Return the forecast errors of prior and learned model over all left-out records.
-
-        Parameters
-        ----------
-        state : {"y", "psi", "r"}
-            Quantity, in SI.
-        """
+        """Return the forecast errors of prior and learned model on left-out records of a ``state``: y, psi or r."""
         rows = np.array([record.forecast_rmse[state] for record in self.records]).reshape(-1, 2)
         rows = rows[np.isfinite(rows).all(axis=1)]
         before, after = np.sqrt(np.mean(rows**2, axis=0)).tolist() if len(rows) else (np.nan, np.nan)
