@@ -119,6 +119,17 @@ def test_the_score_is_the_slope_of_the_likelihood() -> None:
         up, down = (likelihood.cost(unknowns + sign * step, path) for sign in (1, -1))
         size = np.sqrt(found.information[place, place])
         assert found.score[place] == pytest.approx((down - up) / 4e-3, rel=0.01, abs=0.02 * size)
+    y, u = np.abs(path.states[:, [1, 3]]).T
+    np.testing.assert_allclose(found.ranges, [[y.min(), u.min()], [y.max(), u.max()]])
+    assert {name: count for name, (_, count) in found.outliers.items()} == {
+        name: len(read.values) for name, read in grid.readings.items()
+    }
+    assert sum(far for far, _ in found.outliers.values()) == (path.weights < 1).sum()
+    innovations = likelihood.linear(unknowns, path).filtered(log.problem.model_at(unknowns), path.weights)[0]
+    normal = np.clip(innovations.values / np.sqrt(innovations.variances), -4.0, 4.0)
+    parts = grid.by_signal(normal).values()
+    assert found.autocovariance[0] == pytest.approx(float(normal @ normal))
+    assert found.autocovariance[3] == pytest.approx(sum(float(part[3:] @ part[:-3]) for part in parts))
 
 
 @dataclass(frozen=True)

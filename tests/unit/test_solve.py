@@ -118,6 +118,7 @@ def test_conditions_at_both_bounds_are_relative_to_the_largest_force() -> None:
     assert residuals([-10.0, 5.0], [1.0, -1.0]) == pytest.approx((0.0, 1.1, 0.0))
     assert residuals([-2.0, 10.0], [1.0, -1.0]) == pytest.approx((0.0, 1.1, 0.0))
     assert residuals([10.0, 2.0], [1.0, 0.5]) == pytest.approx((0.15, 0.0, 0.0))
+    assert residuals([0.1, 0.0], [0.05, 0.0]) == pytest.approx((0.5, 0.0, 0.0))
     assert residuals([10.0, -10.0], [1.5, -1.2]) == pytest.approx((0.0, 0.0, 0.5))
     assert residuals([10.0, 0.0], [1.0, -1.0], np.array([1.0, -1.0])) == (0.0, 0.0, 0.0)
     assert solve(h, np.array([10.0, 0.5]), lower, upper).at_bound.tolist() == [True, False]

@@ -103,6 +103,7 @@ def test_a_datagram_and_a_delta_are_whole_and_a_stream_is_not(address: str, whol
 def test_a_page_has_room_for_32_and_a_token_that_nobody_guesses() -> None:
     """18 bytes are 24 letters."""
     page, clients = BridgePage(), Clients()
+    assert (len(clients), clients.number, clients.newest) == (0, 0, "")
     assert len(page.token) == 24
     for count, full in ((31, False), (32, True), (33, True)):
         clients.count = count
