@@ -38,9 +38,11 @@ def read(model: nw.Model, legs: int) -> dict[str, np.ndarray]:
     draw = np.random.default_rng(1)
     y, u = OFFSET * np.where(np.arange(legs) % 2, -1.0, 1.0), np.full(legs, SPEED)
     held = courses(model, y, u)
-    errors = nw.ReadingErrors()
     true = {"y": y, "u": u, "rudder": held[:, 0], "drift": held[:, 1]}
-    noisy = {name: column + reading_error(errors, name) * draw.standard_normal(legs) for name, column in true.items()}
+    noisy = {
+        name: column + reading_error(nw.SteadyConditions(), name) * draw.standard_normal(legs)
+        for name, column in true.items()
+    }
     return {**noisy, "heave": np.zeros(legs)}
 
 
@@ -56,7 +58,7 @@ def searched(model: nw.Model, legs: dict[str, np.ndarray]) -> np.ndarray:
     index = [model.terms.names.index(name) for name in FREE]
     root = np.linalg.cholesky(model.covariance[np.ix_(index, index)])
     mean, shared = np.array([model[name] for name in FREE]), shared_errors(CONDITIONS, model)[list(SHARED)]
-    error = {name: reading_error(nw.ReadingErrors(), name) for name in ("y", "u", "rudder", "drift")}
+    error = {name: reading_error(nw.SteadyConditions(), name) for name in ("y", "u", "rudder", "drift")}
 
     def misfit(x: np.ndarray) -> np.ndarray:
         theta, common, place = np.split(x, [len(FREE), len(FREE) + len(SHARED)])

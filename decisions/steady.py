@@ -104,11 +104,11 @@ def reported() -> str:
     """What two legs at 10 m and 10 knots would teach, rudder known to 1 degree and drift to 0.2."""
     rows = []
     for label, model in hulls().items():
-        for words, errors, conditions in TAKEN:
+        for words, conditions in TAKEN:
             held = nw.steady_course(model, y=10.0, u=10 * KNOT, heave=nw.squat(model.configuration, 10 * KNOT).sinkage)
             read = {"y": [10.0, -10.0], "u": [10 * KNOT] * 2}
             read |= {name: [float(held[angle]), -float(held[angle])] for name, angle in ANGLES.items()}
-            fit = nw.learn_steady(model, read, errors=errors, conditions=conditions)
+            fit = nw.learn_steady(model, read, conditions=conditions)
             cells = (f"{fit.coefficients[name].prior_std:.3f} to {fit.std[name]:.3f}" for name in ("c_bank", "b_bank"))
             angles = (band(found, 10.0, 10 * KNOT) for found in (model, fit.model))
             rows.append((CLEARANCES[label], words, *cells, *(f"{low} to {high}" for low, _, high in angles)))
@@ -118,9 +118,10 @@ def reported() -> str:
 
 ANGLES = {"rudder": "rudder", "drift": "psi"}
 TAKEN = (
-    ("default", nw.ReadingErrors(), nw.SteadyConditions()),
-    ("exact offset and speed, no remaining motion", nw.ReadingErrors(y=0.0, u=0.0),
-     nw.SteadyConditions(wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)),
+    ("default", nw.SteadyConditions()),
+    ("exact offset and speed, no remaining motion",
+     nw.SteadyConditions(wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0,
+                         y_error=0.0, u_error=0.0)),
 )  # fmt: skip
 
 
@@ -168,7 +169,7 @@ def table(form: str) -> nw.TermTable:
 
 def _held(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str, Any] | None:
     """Steady legs by the balance, with wind, zeros, a rest of motion and errors; None where one is broken off."""
-    legs, conditions, errors = len(kind.legs), nw.SteadyConditions(), nw.ReadingErrors()
+    legs, conditions = len(kind.legs), nw.SteadyConditions()
     shared, left = shared_errors(conditions, truth), left_over(conditions, truth)
     common = shared[:2] * draw.standard_normal(2)
     change = kind.wind_change * shared[:2] * draw.standard_normal((legs, 2))
@@ -182,7 +183,7 @@ def _held(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str, A
     held = nw.steady_course(truth, **{name: xr.DataArray(column, dims="leg") for name, column in columns.items()})
     if not (np.abs(held["rudder"]) <= MOST).all():
         return None
-    return _read(y, u, held["rudder"].to_numpy(), held["psi"].to_numpy(), kind, draw, errors)
+    return _read(y, u, held["rudder"].to_numpy(), held["psi"].to_numpy(), kind, draw)
 
 
 def _heave(model: nw.Model, speeds: np.ndarray) -> np.ndarray:
@@ -210,7 +211,7 @@ def _sailed(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str,
         drift = -np.arctan2(voyage.v, voyage.u)  # Heading less course, which is not that of the canal.
         means.append([part[read].mean() for part in (voyage.y, voyage.u, voyage.rudder, drift)])
     y, u, rudder, drift = np.array(means).T
-    return {**_read(y, u, rudder, drift, kind, draw, nw.ReadingErrors()), "heave": np.zeros(len(y))}
+    return {**_read(y, u, rudder, drift, kind, draw), "heave": np.zeros(len(y))}
 
 
 def mass_of(model: nw.Model) -> float:
@@ -236,15 +237,13 @@ def _gusts(duration: float, draw: np.random.Generator) -> list[tuple[float, floa
 
 
 def _read(
-    y: np.ndarray, u: np.ndarray, rudder: np.ndarray, psi: np.ndarray, kind: Kind, draw: np.random.Generator,
-    errors: nw.ReadingErrors,
-) -> dict[str, Any]:  # fmt: skip
+    y: np.ndarray, u: np.ndarray, rudder: np.ndarray, psi: np.ndarray, kind: Kind, draw: np.random.Generator
+) -> dict[str, Any]:
     """What instruments show of legs."""
     zeros = np.radians([kind.rudder_zero, nw.SteadyConditions().drift_zero_deg]) * draw.standard_normal(2)
     true = {"y": y, "u": u, "rudder": kind.gain * rudder + zeros[0], "drift": psi + zeros[1]}
-    return {
-        name: column + reading_error(errors, name) * draw.standard_normal(len(column)) for name, column in true.items()
-    }
+    errors = {name: reading_error(nw.SteadyConditions(), name) for name in true}
+    return {name: column + errors[name] * draw.standard_normal(len(column)) for name, column in true.items()}
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import narrows as nw
 
 model = nw.published("estimated_kcs")
 held = {"y": [20.0, -20.0], "u [kn]": [8.0, 8.0], "rudder [deg]": [6.0, -5.5], "drift [deg]": [0.4, -0.5]}
-learned = nw.learn_steady(model, held, errors=nw.ReadingErrors(rudder_deg=1.0, drift_deg=0.2))
+learned = nw.learn_steady(model, held, conditions=nw.SteadyConditions(rudder_error_deg=1.0, drift_error_deg=0.2))
 print(learned.summary())
 
 table = learned.to_dataframe().loc[["Y_bank", "N_bank"]]

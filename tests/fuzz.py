@@ -58,7 +58,9 @@ DIALECTS = (
     ("lab\n\n" + CSV.replace("\n", "\n" + "m,rad;".join(",," for _ in range(7)) + "\n", 1)).encode(),
     CSV.replace(",", " ").encode(), b"# " + CSV.encode(),
 )  # fmt: skip
-CONDITIONS = "wind windage wind_change rudder_zero_deg y_zero yaw_rate_deg sway_change leg_time"
+CONDITIONS = (
+    "wind windage wind_change rudder_zero_deg y_zero yaw_rate_deg sway_change leg_time y_error rudder_error_deg"
+)
 LEGS = "leg,y [m],u [kn],rudder [deg],drift [deg],y_error\na,0.5,1.6,3.0,1.0,0.1\nb,-0.5,1.6,-3.0,-1.0,0.1\n"
 MAPPING = {"columns": {"y": "y", "X": "x", "x": "X", "N": ""}, "units": {"psi": "rad"}, "positive": {"y": "port"}}
 
@@ -340,8 +342,6 @@ class Doors:
 
     def legs(self, chance: random.Random) -> None:
         told: dict[str, Any] = {}
-        if chance.random() < 0.2:
-            told["errors"] = nw.ReadingErrors(**given("y u rudder_deg drift_deg", chance))
         if chance.random() < 0.3:
             told["conditions"] = nw.SteadyConditions(**given(CONDITIONS, chance))
         kind = chance.randrange(4)

@@ -45,7 +45,6 @@ from .logbook.steady_legs.learn_steady import learn_steady as learn_steady
 from .logbook.steady_legs.plan_steady import PlannedLeg as PlannedLeg
 from .logbook.steady_legs.plan_steady import SteadyPlan as SteadyPlan
 from .logbook.steady_legs.plan_steady import plan_steady as plan_steady
-from .logbook.steady_legs.steady_readings import ReadingErrors as ReadingErrors
 from .logbook.steady_legs.steady_readings import SteadyConditions as SteadyConditions
 from .logbook.steady_legs.steady_readings import SteadyReadings as SteadyReadings
 from .logbook.transits import InformationForecast as InformationForecast

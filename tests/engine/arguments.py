@@ -332,14 +332,13 @@ class Table:
             ),
             "learn_steady": Entry(
                 {"model": by_depth(), "observations": held_legs()},
-                {"model": surer, "observations": held_legs(0.05), "errors": nw.ReadingErrors(rudder_deg=2.0),
-                 "conditions": nw.SteadyConditions(wind=1.0)},
+                {"model": surer, "observations": held_legs(0.05), "conditions": nw.SteadyConditions(wind=1.0)},
                 answer=lambda found: found.to_dict(),
             ),
             "plan_steady": Entry(
                 plan,
                 {"model": surer, "offsets": [0.4], "speeds": [0.45], "legs": 4, "targets": ("c_helm",),
-                 "errors": nw.ReadingErrors(rudder_deg=2.0), "conditions": nw.SteadyConditions(wind=1.0),
+                 "conditions": nw.SteadyConditions(wind=1.0),
                  "reserve": 0.9, "clearance": 1.0},
                 answer=lambda found: found.to_dict(),
             ),

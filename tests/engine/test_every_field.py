@@ -190,11 +190,6 @@ def built() -> dict[str, Built]:
             nw.ShipLog((record,)), logged,
             {"records": (replace(record, name="B"),), "waterway": waterway_for("paper"), "notes": ("so",)},
         ),
-        "ReadingErrors": Built(
-            nw.ReadingErrors(0.05, 0.02, 0.5, 0.1),
-            lambda errors: held(held_legs(), errors=errors),
-            {"y": 0.1, "u": 0.1, "rudder_deg": 1.0, "drift_deg": 0.3},
-        ),
         "SignalGrade": Built(
             nw.SignalGrade(0.02, 1.0, 0.01, 5.0, 0.01),
             lambda grade: predicted(nw.SensorGrade("own", "", {**ours, "y": grade})),
@@ -215,7 +210,8 @@ def built() -> dict[str, Built]:
             lambda conditions: held(held_legs(), conditions=conditions),
             {"wind": 4.0, "windage": 0.5, "wind_lever": 0.1, "wind_change": 0.5, "rudder_zero_deg": 2.0,
              "drift_zero_deg": 2.0, "y_zero": 0.2, "yaw_rate_deg": 0.5, "yaw_change_deg": 5.0,
-             "sway_change": 0.2, "leg_time": 5.0},
+             "sway_change": 0.2, "leg_time": 5.0, "y_error": 0.1, "u_error": 0.2, "rudder_error_deg": 2.0,
+             "drift_error_deg": 0.3},
         ),
         "Tank": Built(
             nw.Tank(), planned,

@@ -16,9 +16,11 @@ from narrows.logbook.learned_coefficients import coefficient_prior, covered_rang
 from narrows.logbook.steady_legs.learn_steady import LATENT, LegProblem
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors, steady_readings
 
-CALM = nw.SteadyConditions(wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)
+CALM = nw.SteadyConditions(
+    wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0,
+    y_error=0.02, u_error=0.01, rudder_error_deg=0.5, drift_error_deg=0.1,
+)  # fmt: skip
 HELD = {"y": [0.5, -0.5, 0.3], "u": [0.8, 0.8, 0.9]}
-ERRORS = nw.ReadingErrors(y=0.02, u=0.01, rudder_deg=0.5, drift_deg=0.1)
 
 
 @cache
@@ -42,7 +44,7 @@ def legs(shift_deg: float = 0.0, **changed: float) -> pd.DataFrame:
 
 @cache
 def learned(**changed: float) -> nw.SteadyFit:
-    return nw.learn_steady(ship(), legs(**changed), errors=ERRORS, conditions=CALM)
+    return nw.learn_steady(ship(), legs(**changed), conditions=CALM)
 
 
 @pytest.mark.parametrize("model", [steered(), mmg()], ids=["steered", "mmg"])
@@ -84,7 +86,7 @@ def test_the_answer_is_that_of_a_search_over_coefficients_wind_zeros_and_places(
     model = replace(model, covariance=known)
     size = np.array([np.sqrt(known[i, i]) for i, name in enumerate(model.terms.names) if name in names])
     read = np.stack([frame["y"], frame["u"], *(np.radians(frame[f"{a} [deg]"]) for a in ("rudder", "drift"))], axis=1)
-    error = np.array([reading_error(ERRORS, name) for name in ("y", "u", "rudder", "drift")])
+    error = np.array([reading_error(CALM, name) for name in ("y", "u", "rudder", "drift")])
     mean, shared = np.array([model.coefficients[name] for name in names]), shared_errors(CALM, model)[:4]
 
     def misfit(x: np.ndarray) -> np.ndarray:
@@ -98,7 +100,7 @@ def test_the_answer_is_that_of_a_search_over_coefficients_wind_zeros_and_places(
         return np.concatenate([x, ((read[:, 2:] - seen) / error[2:]).ravel()])
 
     best = least_squares(misfit, np.zeros(len(names) + 4 + 2 * len(read)), xtol=1e-10, ftol=1e-10)
-    found = nw.learn_steady(model, frame, errors=ERRORS, conditions=CALM)
+    found = nw.learn_steady(model, frame, conditions=CALM)
     ours = np.array([found.coefficients[name].value for name in names])
     np.testing.assert_allclose((ours - mean) / size, best.x[: len(names)], atol=2e-3)
     assert found.chi_square == pytest.approx(2 * best.cost, abs=2e-3)
@@ -106,9 +108,7 @@ def test_the_answer_is_that_of_a_search_over_coefficients_wind_zeros_and_places(
 
 def test_a_zero_of_the_rudder_cancels_over_both_sides() -> None:
     loose = replace(CALM, rudder_zero_deg=30.0)
-    first, other = (
-        nw.learn_steady(ship(), legs(shift_deg=shift), errors=ERRORS, conditions=loose) for shift in (0, 2.0)
-    )
+    first, other = (nw.learn_steady(ship(), legs(shift_deg=shift), conditions=loose) for shift in (0, 2.0))
     moved = abs(other.coefficients["c_bank"].value - first.coefficients["c_bank"].value)
     assert moved < 0.1 * first.std["c_bank"]
     assert np.degrees(other.shared["rudder_zero"][0] - first.shared["rudder_zero"][0]) == pytest.approx(2.0, abs=0.1)
@@ -117,7 +117,7 @@ def test_a_zero_of_the_rudder_cancels_over_both_sides() -> None:
 def test_mirrored_legs_teach_the_same() -> None:
     frame = legs(shift_deg=0.7)
     mirrored = frame.assign(**{name: -frame[name] for name in ("y", "rudder [deg]", "drift [deg]")})
-    first, other = (nw.learn_steady(ship(), rows, errors=ERRORS, conditions=CALM) for rows in (frame, mirrored))
+    first, other = (nw.learn_steady(ship(), rows, conditions=CALM) for rows in (frame, mirrored))
     for name in first.coefficients:
         assert other.coefficients[name].value == pytest.approx(first.coefficients[name].value, rel=1e-7)
     for name in UNKNOWN:
@@ -134,7 +134,7 @@ def test_what_was_learned_and_what_was_not_is_said() -> None:
     assert "on simulated twins only" in found.notes[-1]
     assert found.model.verdicts["c_bank"] == "identified"
     assert "learned from 3 legs from -0.5 to +0.5 m" in found.model.source.text
-    assert nw.learn_steady(found.model, legs(), errors=ERRORS).std["c_bank"] < found.std["c_bank"]
+    assert nw.learn_steady(found.model, legs(), conditions=CALM).std["c_bank"] < found.std["c_bank"]
 
 
 def test_a_bank_whose_effect_is_zero_is_unresolved() -> None:
@@ -142,14 +142,14 @@ def test_a_bank_whose_effect_is_zero_is_unresolved() -> None:
     model = ship().with_coefficients(b_bank=0.1)
     wide = replace(model, covariance=replace(ship(), covariance=ship().covariance).covariance + np.diag(
         [0.3**2 if name == "b_bank" else 0.0 for name in model.terms.names]))  # fmt: skip
-    found = nw.learn_steady(wide, legs(**truth), errors=ERRORS, conditions=CALM)
+    found = nw.learn_steady(wide, legs(**truth), conditions=CALM)
     assert found.verdicts["b_bank"].endswith("unresolved")
     assert "unresolved, for 0 is among it" in found.coefficients["b_bank"].sentence()
 
 
 def test_legs_on_one_side_are_said_to_cancel_nothing() -> None:
     frame = legs()
-    found = nw.learn_steady(ship(), frame[frame["y"] > 0], errors=ERRORS, conditions=CALM)
+    found = nw.learn_steady(ship(), frame[frame["y"] > 0], conditions=CALM)
     assert any("one side" in note for note in found.notes)
     assert not any("one side" in note for note in learned().notes)
 
@@ -158,7 +158,7 @@ def test_legs_on_one_side_are_said_to_cancel_nothing() -> None:
 def test_another_sign_is_found_and_told(name: str) -> None:
     frame = legs()
     turned = frame.assign(**{f"{name} [deg]": -frame[f"{name} [deg]"]})
-    found = nw.learn_steady(ship(), turned, errors=nw.ReadingErrors(0.02, 0.01, 0.1, 0.05), conditions=CALM)
+    found = nw.learn_steady(ship(), turned, conditions=replace(CALM, rudder_error_deg=0.1, drift_error_deg=0.05))
     assert any(f"other sign of {name}" in note for note in found.notes)
     assert not any("other sign" in note for note in learned().notes)
 
@@ -166,7 +166,7 @@ def test_another_sign_is_found_and_told(name: str) -> None:
 def test_a_leg_that_does_not_fit_the_others_is_named() -> None:
     frame = pd.concat([legs()] * 3, ignore_index=True)
     frame.loc[4, "rudder [deg]"] += 8.0
-    found = nw.learn_steady(ship(), frame, errors=ERRORS, conditions=CALM)
+    found = nw.learn_steady(ship(), frame, conditions=CALM)
     assert found.contradicted
     assert not found.informative
     assert found.model.verdicts["c_bank"].startswith("contradicted")
@@ -176,7 +176,7 @@ def test_a_leg_that_does_not_fit_the_others_is_named() -> None:
 
 def test_a_heading_to_the_canal_is_a_drift() -> None:
     frame = legs().rename(columns={"drift [deg]": "heading [deg]"})
-    found = nw.learn_steady(ship(), frame, errors=ERRORS, conditions=CALM)
+    found = nw.learn_steady(ship(), frame, conditions=CALM)
     assert found.coefficients["c_bank"].value == learned().coefficients["c_bank"].value
 
 
@@ -194,7 +194,7 @@ def test_the_range_in_a_section_that_no_test_had_is_that_of_the_legs() -> None:
 def test_files_and_mappings_are_read_alike(tmp_path: Path) -> None:
     frame = legs().assign(leg=["a", "b", "c"], remark="fine")
     frame.to_csv(tmp_path / "held.csv", index=False)
-    first, other = steady_readings(tmp_path / "held.csv"), steady_readings(frame.to_dict("list"))
+    first, other = steady_readings(tmp_path / "held.csv", CALM), steady_readings(frame.to_dict("list"), CALM)
     for one, two in ((first.values, other.values), (first.errors, other.errors)):
         pd.testing.assert_frame_equal(pd.DataFrame(one), pd.DataFrame(two))
     assert first.legs == ("a", "b", "c")

@@ -10,8 +10,10 @@ import narrows as nw
 from engine_models import steered
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
 
-CALM = nw.SteadyConditions(wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001)
-ERRORS = nw.ReadingErrors(y=0.02, u=0.01, rudder_deg=0.5, drift_deg=0.1)
+CALM = nw.SteadyConditions(
+    wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001,
+    y_error=0.02, u_error=0.01, rudder_error_deg=0.5, drift_error_deg=0.1,
+)  # fmt: skip
 
 
 @cache
@@ -27,7 +29,7 @@ def ship(bank: float = 0.03) -> nw.Model:
 
 @cache
 def plan(**told) -> nw.SteadyPlan:
-    return nw.plan_steady(ship(), errors=ERRORS, conditions=CALM, **told)
+    return nw.plan_steady(ship(), conditions=CALM, **told)
 
 
 def test_legs_come_in_pairs_nearest_first_and_each_side_begins_in_turn() -> None:
@@ -57,7 +59,7 @@ def test_what_it_tells_is_what_the_legs_teach() -> None:
     heave = np.array([nw.squat(ship().configuration, speed).sinkage for speed in u])
     held = [nw.steady_course(ship(), y=a, u=b, heave=c) for a, b, c in zip(y, u, heave, strict=True)]
     read = {"y": y, "u": u, "rudder": [float(c["rudder"]) for c in held], "drift": [float(c["psi"]) for c in held]}
-    learned = nw.learn_steady(ship(), read, errors=ERRORS, conditions=CALM)
+    learned = nw.learn_steady(ship(), read, conditions=CALM)
     for name in found.targets:
         assert found.std[name][-1] == pytest.approx(learned.std[name], rel=1e-3)
 
@@ -65,13 +67,13 @@ def test_what_it_tells_is_what_the_legs_teach() -> None:
 def test_a_plan_is_no_worse_than_as_many_legs_elsewhere() -> None:
     best = plan(targets="c_bank")
     for offset, speed in ((0.2, 0.5), (0.4, 0.55)):
-        other = nw.plan_steady(ship(), [offset], [speed], errors=ERRORS, conditions=CALM, targets="c_bank")
+        other = nw.plan_steady(ship(), [offset], [speed], conditions=CALM, targets="c_bank")
         assert other.legs
         assert other.std["c_bank"][-1] >= best.std["c_bank"][-1]
 
 
 def test_where_no_leg_is_allowed_there_is_none_and_the_answer_says_why() -> None:
-    found = nw.plan_steady(ship(bank=3.0), errors=ERRORS, conditions=CALM)
+    found = nw.plan_steady(ship(bank=3.0), conditions=CALM)
     assert found.legs == ()
     assert "No leg off the middle is allowed" in found.summary()
     assert "not allowed for the rudder" in " ".join(found.notes)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_plan_steady import CALM, ERRORS, ship
+from test_plan_steady import CALM, ship
 
 import narrows as nw
 from narrows.report.pilot_page import rudder_band, write_pilot_page, write_steady_report
@@ -17,12 +17,12 @@ LEGS = {"y": [0.4, -0.4], "u": [0.7, 0.7], "rudder [deg]": [4.0, -3.5], "drift [
 
 @cache
 def planned(legs: int) -> nw.SteadyPlan:
-    return nw.plan_steady(ship(), legs=legs, errors=ERRORS, conditions=CALM)
+    return nw.plan_steady(ship(), legs=legs, conditions=CALM)
 
 
 @cache
 def learned() -> nw.SteadyFit:
-    return nw.learn_steady(ship(), LEGS, errors=ERRORS, conditions=CALM)
+    return nw.learn_steady(ship(), LEGS, conditions=CALM)
 
 
 @pytest.mark.parametrize("legs", [2, 8])

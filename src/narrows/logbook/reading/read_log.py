@@ -137,12 +137,10 @@ class LogReading:
         self.mapped: tuple[str, ...] = ()
         self.begin: pd.Timestamp | None = None
         self.absent: Counter[str] = Counter()
-        self.rounded = self.given = self.cuts = 0
+        self.given = self.cuts = 0
 
     def records(self) -> Iterator[ShipRecord]:
         for raw in self._split(map(self._rows, self._frames())):
-            again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
-            self.rounded += int(((np.diff(raw.t) == 0) & np.any(again, axis=0)).sum())
             record = raw.record()
             self.given += bool(record.signals)
             if record.signals:
@@ -157,7 +155,6 @@ class LogReading:
             f"t counts from {self.begin.isoformat() if self.begin else ''}": self.begin is not None,
             **{f"{count} of {name} stand for none and were left out": True for name, count in self.absent.items()},
             cut: self.cuts,
-            "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded,
             "positions are brought from the antenna to midship, where the heading is known": antenna,
         }
         return (*self.about, *self.mapped, *(note for note, holds in remarks.items() if holds))

@@ -32,7 +32,6 @@ from narrows.logbook.settings import CONTRADICTION, UPDATE_ROUNDS, UPDATE_SETTLE
 from narrows.logbook.steady_legs.steady_readings import (
     SHARED,
     UNKNOWN,
-    ReadingErrors,
     SteadyConditions,
     SteadyReadings,
     left_over,
@@ -120,9 +119,7 @@ class SteadyFit(LearnedAnswer):
 
 
 @accept_aliases
-def learn_steady(
-    model: Model, observations: Any, *, errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None
-) -> SteadyFit:  # fmt: skip
+def learn_steady(model: Model, observations: Any, *, conditions: SteadyConditions | None = None) -> SteadyFit:
     """Learn from a ship that was held off the middle: the steady rudder and drift, to both sides.
 
     The covariance of the model's coefficients is the prior, all of it, and the balance of sway and yaw on each leg
@@ -140,12 +137,13 @@ def learn_steady(
     observations : DataFrame, mapping of str to array, str or Path
         A row a leg: y [m], u [m/s], rudder, drift (or heading), and their errors ``y_error`` and so on where they are
         known; SI and radians unless a header has a unit (``rudder [deg]``).
-    errors, conditions : ReadingErrors, SteadyConditions, optional
-        Errors that the rows lack; sizes of wind and zeros, and the remaining motion on a leg.
+    conditions : SteadyConditions, optional
+        Sizes of wind and zeros, the remaining motion on a leg, and errors that the rows lack.
     """
     check_rudder(model)
     check_covariance(model)
-    readings, conditions = steady_readings(observations, errors), conditions or SteadyConditions()
+    conditions = conditions or SteadyConditions()
+    readings = steady_readings(observations, conditions)
     canal, ship = model.configuration.canal, model.configuration.ship
     read = readings.values
     check_inside(read["y"], canal.width, ship.beam)

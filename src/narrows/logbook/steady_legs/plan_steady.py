@@ -17,7 +17,6 @@ from narrows.logbook.learned_coefficients import ON_TWINS, check_covariance, coe
 from narrows.logbook.steady_legs.learn_steady import LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
     READ,
-    ReadingErrors,
     SteadyConditions,
     SteadyReadings,
     reading_error,
@@ -58,8 +57,7 @@ class SteadyPlan(Tabulated):
     targets: tuple[str, ...]  #: The coefficients that they are chosen for
     std: Mapping[str, np.ndarray]  #: (legs + 1,) Standard error of each, before the first leg and after each
     model: Model  #: The ship
-    errors: ReadingErrors  #: Errors of the readings
-    conditions: SteadyConditions  #: Wind, zeros and what is left of motion
+    conditions: SteadyConditions  #: Wind, zeros, what is left of motion, and errors of the readings
     reserve: float  #: Share of the rudder that every leg leaves [1]
     clearance: float  #: Clearance from the hull's side to a bank that every leg leaves [m]
     farthest: float  #: Largest allowed offset of legs [m]
@@ -112,7 +110,7 @@ class SteadyPlan(Tabulated):
 def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
-    targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
+    targets: Sequence[str] = (), conditions: SteadyConditions | None = None,
     reserve: float = RESERVE, clearance: float | None = None,
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
@@ -134,14 +132,14 @@ def plan_steady(
         Number of legs; even.
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
-    errors, conditions : ReadingErrors, SteadyConditions, optional
+    conditions : SteadyConditions, optional
         Errors of the readings; wind, zeros, and what is left of motion.
     reserve, clearance : float [1], [m], optional
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     """
     check_rudder(model)
     check_covariance(model)
-    names, conditions, errors = learnable(model, targets), conditions or SteadyConditions(), errors or ReadingErrors()
+    names, conditions = learnable(model, targets), conditions or SteadyConditions()
     side = model.configuration.ship.beam / 2 if clearance is None else clearance
     check_count("legs", legs, 2, settings.MOST_LEGS)
     if legs % 2:
@@ -154,7 +152,7 @@ def plan_steady(
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     allowed, refused = allowed_legs(model, beside, ahead, reserve, side)
-    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, errors))
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, conditions))
     size = len(problem.precision)
     pairs = problem.informations().reshape(2, len(allowed), size, size).swapaxes(0, 1)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
@@ -166,13 +164,13 @@ def plan_steady(
     std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *refused,
-        f"Assumed: {errors.summary()}; {conditions.summary()}.",
+        f"Assumed: {conditions.summary()}.",
         "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
         "ship there, and the master decides.",
     )  # fmt: skip
     return SteadyPlan(
         tuple(allowed[i] if sign > 0 else allowed[i].mirrored() for i, sign in held), names,
-        {name: std[name] for name in names}, model, errors, conditions, reserve, side,
+        {name: std[name] for name in names}, model, conditions, reserve, side,
         max((leg.offset for leg in allowed), default=0.0), notes,
     )  # fmt: skip
 
@@ -187,12 +185,12 @@ def _rising(name: str, values: object) -> np.ndarray:
     return np.unique(column)
 
 
-def held_exactly(legs: Sequence[PlannedLeg], errors: ReadingErrors) -> SteadyReadings:
+def held_exactly(legs: Sequence[PlannedLeg], conditions: SteadyConditions) -> SteadyReadings:
     """Return the readings of legs held as planned at each place, to starboard and then to port."""
     both = [*legs, *(leg.mirrored() for leg in legs)]
     columns = np.array([(leg.offset, leg.speed, leg.rudder[1], leg.drift[1]) for leg in both]).reshape(-1, 4).T
     values = dict(zip(READ, columns, strict=True))
-    stated = {name: np.full(len(both), reading_error(errors, name)) for name in READ}
+    stated = {name: np.full(len(both), reading_error(conditions, name)) for name in READ}
     return SteadyReadings(tuple(map(str, range(len(both)))), values, stated)
 
 

@@ -35,39 +35,6 @@ COLUMNS = {**READ, **GIVEN, **ERRORS}
 
 
 @dataclass(frozen=True, repr=False)
-class ReadingErrors(BaseSummary):
-    """Standard deviations of the readings of a leg, common to both sides or not, if a table has none.
-
-    They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
-
-    Raises an InputError where one is negative or not finite, or that of the rudder or the drift is 0.
-
-    Examples
-    --------
-    >>> nw.ReadingErrors(rudder_deg=1.0).rudder_deg
-    1.0
-    """
-
-    y: float = 1.0  #: Offset [m]
-    u: float = 0.1  #: Speed through the water [m/s]
-    rudder_deg: float = 1.0  #: Rudder [deg]
-    drift_deg: float = 0.2  #: Drift [deg]
-
-    def __post_init__(self) -> None:
-        check_sizes(self, over=("rudder_deg", "drift_deg"))
-
-    def summary(self) -> str:
-        return (
-            f"offset to {self.y:g} m, speed to {self.u:g} m/s, rudder to {self.rudder_deg:g} deg, drift to "
-            f"{self.drift_deg:g} deg (standard deviations of a leg's mean)"
-        )
-
-
-def reading_error(errors: ReadingErrors, name: str) -> float:
-    return math.radians(getattr(errors, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(errors, name))
-
-
-@dataclass(frozen=True, repr=False)
 class SteadyReadings(BaseSummary):
     """Legs on which a ship was held, in SI."""
 
@@ -87,7 +54,7 @@ class SteadyReadings(BaseSummary):
         return f"{len(self)} legs from {y.min():+.3g} to {y.max():+.3g} m off the middle at {speeds} m/s"
 
 
-def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
+def steady_readings(table: Any, conditions: "SteadyConditions") -> SteadyReadings:
     from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, sha256_of_frame
     from narrows.readers.frames import read_frame
     from narrows.readers.headers import recognised_in
@@ -106,8 +73,7 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     for name in READ:
         if name not in columns:
             raise InputError(f"{source}: there is no column {name!r}{did_you_mean(name, headers)}")
-    own = errors or ReadingErrors()
-    stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(own, name))) for name in READ}
+    stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(conditions, name))) for name in READ}
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
     _check(readings := SteadyReadings(tuple(map(str, names)), values, stated, source, sha256_of_frame(frame)))
@@ -148,7 +114,7 @@ class BeamWind(BaseSummary):
     wind_lever: float | None = None  #: Where its force acts, off midship; a tenth of the length unless given [m]
 
     def __post_init__(self) -> None:
-        check_sizes(self, over=[name for name in vars(self) if name.endswith("_time")])
+        check_sizes(self, over=[name for name in vars(self) if name.endswith(("_time", "_error_deg"))])
 
 
 def steady_push(conditions: BeamWind, model: Model) -> np.ndarray:
@@ -165,7 +131,7 @@ class SteadyConditions(BeamWind):
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
     are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.
 
-    Raises an InputError where a number is negative or not finite, or the time of a leg is 0.
+    Raises an InputError where a number is negative or not finite, or the time of a leg or the error of an angle is 0.
 
     Examples
     --------
@@ -181,14 +147,25 @@ class SteadyConditions(BeamWind):
     yaw_change_deg: float = 0.01  #: Change of the yaw rate over a leg [deg/s]
     sway_change: float = 0.02  #: Change of the sway velocity over a leg [m/s]
     leg_time: float = 120.0  #: Duration of the readings of a leg [s]
+    y_error: float = 1.0  #: Error of the mean offset over a leg, if the table has none [m]
+    u_error: float = 0.1  #: Error of the speed through the water [m/s]
+    rudder_error_deg: float = 1.0  #: Error of the rudder [deg]
+    drift_error_deg: float = 0.2  #: Error of the drift [deg]
 
     def summary(self) -> str:
         aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"
         return (
             f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "
             f"of rudder {self.rudder_zero_deg:g} and drift {self.drift_zero_deg:g} deg, of the offset {aside}; turning "
-            f"at {self.yaw_rate_deg:g} deg/s (standard deviations)"
+            f"at {self.yaw_rate_deg:g} deg/s; readings to {self.y_error:g} m, {self.u_error:g} m/s, rudder "
+            f"{self.rudder_error_deg:g} deg, drift {self.drift_error_deg:g} deg (standard deviations)"
         )
+
+
+def reading_error(conditions: SteadyConditions, name: str) -> float:
+    is_angle = READ[name].unit == "rad"
+    error = float(getattr(conditions, f"{name}_error" + "_deg" * is_angle))
+    return math.radians(error) if is_angle else error
 
 
 def shared_errors(conditions: SteadyConditions, model: Model) -> np.ndarray:
