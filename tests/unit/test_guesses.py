@@ -617,6 +617,10 @@ def test_methods_accept_the_other_names_of_arguments() -> None:
     ("ask", "told"),
     [
         ("float(nw.squat(nw.published('estimated_kcs'), 4.0))", "a Squat is no number; take one of its own: sinkage"),
+        ("nw.control.lqr(model, Q=1, R=1)", "has no controls, so no gains; nw.borrow_rudder"),
+        ("fit.conf_int(alpha=0.1)", "conf_int takes no arguments here: intervals are of 95 %; write intervals"),
+        ("fit.corr()", "write covariance / np.outer"),
+        ("nw.measured_squat()", "write pandas.read_csv of lataire2009_squat.csv"),
         ("f'{model:.2f}'", "a Model is no number"),
         ("model.plot(x='x')", "write ax=..., or to_dataframe"),
         ("model.bank_forces(u=1.0)", "write motion=nw.Motion"),
@@ -635,4 +639,4 @@ def test_methods_accept_the_other_names_of_arguments() -> None:
 )
 def test_what_is_elsewhere_is_named(ask: str, told: str) -> None:
     with pytest.raises((AttributeError, TypeError, nw.InputError), match=told):
-        eval(ask, {"nw": nw, "model": DTC})
+        eval(ask, {"nw": nw, "model": DTC, "fit": fit()})

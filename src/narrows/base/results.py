@@ -71,6 +71,14 @@ def _known(thing: Any) -> set[str]:
     return {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
 
 
+def _value(thing: Any, name: str, attribute: str, *values: Any, **given: Any) -> Any:
+    """Return an attribute that is a method elsewhere."""
+    if values or given:
+        why = name_here(name, "why")
+        raise InputError(f"{name} takes no arguments here{f': {why}' if why else ''}; write {attribute}")
+    return attrgetter(attribute)(thing)
+
+
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
     known = {*_known(thing), *columns}
@@ -82,7 +90,7 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
             value = attrgetter(attribute)(thing)
             if called == ours.endswith(CALL):
                 return value
-            return partial(attrgetter(attribute), thing) if called else value()
+            return partial(_value, thing, name, attribute) if called else value()
     # A formula in the object's own attributes, such as ``abs(r).max()``.
     if formula := name_here(name, "formulas", lambda row: _names_in(row) <= {*known, *_FORMULA_SCOPE}):
         return eval(formula, _FORMULA_SCOPE | {ours: getattr(thing, ours) for ours in _names_in(formula) & known})
@@ -108,7 +116,7 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in heads)
     if not remedy and "plot" in name and "plot" in known:
         remedy = "plot()"
-    if not remedy and "to_dataframe" in known and table_has(name):
+    if not remedy and "to_dataframe" in known and table_has(name) and name not in OF_NUMBERS:
         remedy = f"to_dataframe().{name}"
     if not remedy and type(thing).__name__ in aliases("first"):
         remedy = name_here(name, "other_functions")

@@ -334,6 +334,8 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
         raise InputError(f"a linear system has its course; leave out {', '.join(course)}, or give the model")
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize(**course)
     A, B = system.matrices(*controls)
+    if not B.size:
+        raise InputError("the model has no controls, so no gains; nw.borrow_rudder adds a rudder")
     weights = []
     for name, given, names in (("Q", Q, system.states), ("R", R, controls or system.controls)):
         matrix = np.asarray(given, float)
