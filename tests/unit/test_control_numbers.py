@@ -1,7 +1,6 @@
 """Control by hand and beside python-control: margins, modes, laws step by step, costs of a design; no ship sails."""
 
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,9 +9,9 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.control import LinearSystem, RegulatorWeights, closed_loop
+from narrows.control import LinearSystem, RegulatorWeights
 from narrows.control import settings as control_settings
-from narrows.control.closed_loop import ClosedLoop, OpenedLaw
+from narrows.control.closed_loop import OpenedLaw
 from narrows.control.linear_system import loop_margins
 from narrows.control.regulator import lqr, rate_driven, stabilised
 from narrows.control.steady_course import check_holds, check_inside
@@ -187,30 +186,6 @@ def test_an_opened_law_remembers_what_it_asks_for() -> None:
 
 
 KCS = nw.published("estimated_kcs")
-
-
-@pytest.mark.parametrize("delay", [3.0, 20.0, 60.0])
-def test_a_delay_is_searched_to_two_per_cent_up_to_two_lengths(delay: float, monkeypatch: Any) -> None:
-    """A ship of 230 m at 4 m/s, 115 s for two lengths; lost is who has a tenth of 0.03 beams left."""
-    loop = closed_loop(KCS, lambda t, state: 0.0, y=0.0, u=4.0)
-    beam, length = KCS.configuration.ship.beam, KCS.configuration.ship.length
-    at_most = 0.1 * 0.03 * beam
-    late = lambda self, own, seed: at_most * (0.999 if own <= delay else 1.001)  # noqa: E731
-    monkeypatch.setattr(ClosedLoop, "_late_offset", late)
-    found = loop.tolerated_delay()
-    assert 0.98 * delay - 0.1 <= found <= delay
-    monkeypatch.setattr(ClosedLoop, "_late_offset", lambda self, own, seed: 0.0)
-    assert loop.tolerated_delay() == pytest.approx(2 * length / 4.0)
-    monkeypatch.setattr(ClosedLoop, "_late_offset", lambda self, own, seed: 1.01 * at_most)
-    assert loop.tolerated_delay() == 0.0
-    # With sensors, whose noise moves the ship by a third of a beam: at most twice as far.
-    noisy = replace(loop, sensors=(nw.estimation.Gnss(),))
-    spread = lambda self, own, seed: beam / 3 * (1.0 if own == 0 else 1.99 if own <= delay else 2.01)  # noqa: E731
-    monkeypatch.setattr(ClosedLoop, "_late_offset", spread)
-    assert 0.98 * delay - 0.1 <= noisy.tolerated_delay() <= delay
-    assert loop.tolerated_delay() == 0.0
-    monkeypatch.setattr(ClosedLoop, "_late_offset", lambda self, own, seed: 0.51 * beam)
-    assert noisy.tolerated_delay() == 0.0
 
 
 def test_limits_of_a_course_are_its_gears_and_its_banks() -> None:
