@@ -16,6 +16,7 @@ from narrows.base.results import BaseResult
 from narrows.base.saving import to_json
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
 from narrows.estimation.consistency import sail_twins
+from narrows.simulation.ship_lanes import ShipLanes
 
 ALL = (*SENSORS, RudderIndicator())
 
@@ -169,3 +170,22 @@ def test_late_and_seldom_sensors_come_when_they_are_due() -> None:
     np.testing.assert_allclose(twins.t[due], np.arange(0.6, 6.01, 0.6))
     off = told[due] - twins.states[np.flatnonzero(due) - 2][..., :2]
     assert off.std() == pytest.approx(0.02, rel=0.1)
+
+
+@pytest.mark.parametrize("period", [0.05, 1.0])
+def test_the_rudder_of_a_twin_turns_evenly_from_order_to_order(period: float) -> None:
+    """Twins without noise, beside forty steps of the engine between two readings, with the rudder linear in time."""
+    calm, model = ProcessNoise(**dict.fromkeys(vars(ProcessNoise()), 0.0)), steered()
+    known = Prior(sway=0.0, yaw_rate=0.0, bank=0.0, current=0.0, current_across=0.0)
+    sensors = (*(replace(sensor, period=period) for sensor in SENSORS), RudderIndicator(bias=0.0))
+    silent = Estimator(model, sensors, noise=calm, prior=known).filter
+    helm = nw.control.regulator(model, 0.3, 1.0)
+    twins = sail_twins(silent, helm, (0.0, 0.3, 1.0, 0.0), 2, 8 * period, False, 0.3, 0)
+    lanes = ShipLanes(silent.ship, silent.states.names, 2, None)
+    assert np.abs(np.diff(twins.indicated[:, 0, 0])).max() > 0.1 * period
+    for k in range(8):
+        now, (before, after) = twins.states[k], twins.indicated[k : k + 2]
+        for part in range(40):
+            here, there = (before + share / 40 * (after - before) for share in (part, part + 1))
+            now = lanes.advance(now, period / 40, here, there)
+        np.testing.assert_allclose(twins.states[k + 1][:, :6], now[:, :6], rtol=2e-4, atol=1e-6)

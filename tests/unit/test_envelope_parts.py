@@ -72,6 +72,7 @@ def test_speeds_on_a_bridge_are_in_knots() -> None:
 def test_the_wind_pushes_with_the_square_of_its_speed() -> None:
     """1.225 kg/m3 is the density of the standard atmosphere at sea level (ISO 2533)."""
     assert wind_force(10.0, 100.0, 0.8) == pytest.approx(0.5 * 1.225 * 0.8 * 100.0 * 10.0**2)
+    assert wind_force(10.0, 100.0) == wind_force(10.0, 100.0, 1.0)
 
 
 def test_the_limit_in_speed_is_that_of_the_first_place_that_is_not_safe() -> None:
