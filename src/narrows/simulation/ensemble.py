@@ -180,7 +180,8 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
         name: value.isel(index, missing_dims="ignore").to_numpy() if value.dims else float(value)
         for name, value in grid.values.items()
     }
-    again, first = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1), voyages.isel(index)
+    again = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1)
+    first = {name: voyages[name].isel(index).to_numpy() for name in ("outcome", "side", "distance", "y_end")}
     same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
     moved = np.hypot(again["distance"] - first["distance"], again["y_end"] - first["y_end"])
     changed = ~same_end | (moved > settings.STEP_ERROR_LIMIT * run.ship.model.configuration.ship.beam)
