@@ -48,9 +48,6 @@ class HarmonicRun(TowedRun):
     Raises an InputError if the kind is unknown, a number is not positive, or a yaw path is steeper than the speed
     allows.
 
-
-    Examples
-    --------
     >>> nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1).period
     12.0
     """
@@ -97,9 +94,6 @@ class StraightRun(TowedRun):
 
     Raises an InputError if speed or duration are not positive, or it is towed sideways.
 
-
-    Examples
-    --------
     >>> nw.StraightRun("A", 0.5).offset
     0.5
     """

@@ -37,9 +37,6 @@ SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 class Comparison(BaseResult):
     """Fits of several tables of terms to the same tests.
 
-
-    Examples
-    --------
     >>> sorted(nw.compare(tests, ("paper", "speed")).fits)
     ['paper', 'speed']
     """

@@ -41,9 +41,6 @@ if TYPE_CHECKING:
 class Fit(Prediction):
     """A fitted table of terms: estimates, intervals, verdicts and diagnostics.
 
-
-    Examples
-    --------
     >>> fit.verdicts["b_bank"].status
     'not separable'
     """

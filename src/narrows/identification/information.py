@@ -190,9 +190,6 @@ class Tank:
 
     Raises an InputError if a number is not positive.
 
-
-    Examples
-    --------
     >>> nw.Tank(speeds=(0.6, 0.8)).speeds
     (0.6, 0.8)
     """

@@ -44,9 +44,6 @@ PUBLISHED, REFITTED, NEW = "published", "form of another, coefficients refitted"
 class BankForm(BaseSummary):
     """A form of the bank term.
 
-
-    Examples
-    --------
     >>> nw.FORMS["delta"].name
     'delta'
     """

@@ -44,9 +44,6 @@ AHEAD = (0.0, 1000.0)
 class DataRange(Aliased):
     """Ranges covered by the data; None if unknown.
 
-
-    Examples
-    --------
     >>> bool(nw.DataRange(speed=(0.5, 1.0)).outside("speed", 1.2))
     True
     """

@@ -24,8 +24,6 @@ DEEP = 1e9
 class DepthCorrected(DerivedModel):
     """A model corrected for another depth.
 
-    Examples
-    --------
     >>> sorted(nw.at_depth(kcs, 15.0).factors)[:1]
     ['N_r']
     """

@@ -86,9 +86,6 @@ class Model(Configured, Operations):
 
     Raises an InputError if a coefficient is missing, unknown or not finite, or a verdict is unknown.
 
-
-    Examples
-    --------
     >>> model = nw.published("mikkelsen2025_dtc")
     >>> round(float(model.forces(y=0.5, u=1.0)["Y"]), 2)
     14.22

@@ -28,9 +28,6 @@ VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
 class SquatFormula:
     """A squat formula.
 
-
-    Examples
-    --------
     >>> nw.SQUAT["huuska"].gives
     'bow'
     """

@@ -45,8 +45,6 @@ LETTERS = ("a", "b", "c")
 class TermKind(StrEnum):
     """Kind of a term.
 
-    Examples
-    --------
     >>> nw.PAPER["b_bank"].kind.name
     'BANK'
     """
@@ -89,9 +87,6 @@ class Term(BaseSummary):
     Raises an InputError if the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's
     width although its kind is not ``bank``.
 
-
-    Examples
-    --------
     >>> nw.PAPER["b_v"].dimension.unit
     'kg/s'
     """
@@ -174,9 +169,6 @@ class TermTable(BaseSummary):
     Raises an InputError if there are no terms, two terms or two actuators share a name, a term has the name of a force,
     or a tie names no term.
 
-
-    Examples
-    --------
     >>> len(nw.PAPER.names)
     17
     """

@@ -10,7 +10,6 @@ from narrows.base.errors import InputError
 class Dimension(NamedTuple):
     """Physical dimension of a coefficient.
 
-
     Examples
     --------
     >>> nw.Dimension(mass=1).unit

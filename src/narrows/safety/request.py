@@ -28,7 +28,6 @@ class Disturbance(Aliased):
 
     Raises an InputError if a number is negative (except the lever), or not finite.
 
-
     Examples
     --------
     >>> nw.Disturbance(gust=300.0).gust

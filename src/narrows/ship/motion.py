@@ -15,7 +15,6 @@ class Motion:
 
     x runs along the canal, y to starboard of the centreline; psi and r are clockwise seen from above.
 
-
     Examples
     --------
     >>> motion = nw.Motion.at(y=0.5, psi=0.1, u=1.0)

@@ -21,7 +21,6 @@ class Ship(BaseSummary):
 
     Raises an InputError if a particular is not a positive number or the block coefficient is over 1.
 
-
     Examples
     --------
     >>> nw.Ship(length=230.0, beam=32.2, draft=10.8, block_coefficient=0.65).length
@@ -65,7 +64,6 @@ class Canal(Aliased):
 
     Raises an InputError if a value is not a positive number.
 
-
     Examples
     --------
     >>> nw.Canal(width=300.0, depth=16.0).in_words
@@ -96,7 +94,6 @@ class Water(Aliased):
 
     Raises an InputError if the density is not a number near that of water.
 
-
     Examples
     --------
     >>> nw.Water(density=1025.0).density
@@ -123,7 +120,6 @@ class Configuration(BaseSummary):
     """A ship in its canal and water: all data of a test except the motion.
 
     Raises an InputError if the ship is wider than the canal or draws more than the depth, or a section is given twice.
-
 
     Examples
     --------

@@ -44,7 +44,6 @@ class Waterway(BaseSummary):
     Raises an InputError if a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a
     depth is missing or not positive; the sentence names the place.
 
-
     Examples
     --------
     >>> nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0).canal(100.0).width
