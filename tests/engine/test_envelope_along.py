@@ -154,7 +154,7 @@ def test_a_width_and_a_depth_are_those_of_the_canal(cli) -> None:
     assert there.configuration.canal.depth == 15.0
     assert there["Y_v"] != usual["Y_v"]
     code, _, err = cli(*words, *other, "--waterway", "way.geojson")
-    assert (code, "--waterway has its own" in err) == (2, True)
+    assert (code, "at most one of" in err) == (2, True)
 
 
 def bent(narrower: float) -> Waterway:

@@ -14,8 +14,8 @@ from cases import steered as kinked
 from matplotlib.figure import Figure
 
 import narrows as nw
+from narrows.base.files import to_json
 from narrows.base.results import BaseResult
-from narrows.base.saving import to_json
 from narrows.control import LinearSystem, linearize
 from narrows.waterway import Bank, Centreline, Waterway
 

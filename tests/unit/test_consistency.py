@@ -12,8 +12,8 @@ from test_estimator import SENSORS, steered
 
 import narrows as nw
 from engine_models import bent
+from narrows.base.files import to_json
 from narrows.base.results import BaseResult
-from narrows.base.saving import to_json
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
 from narrows.estimation.consistency import sail_twins
 from narrows.simulation.ship_lanes import ShipLanes

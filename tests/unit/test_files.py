@@ -19,8 +19,7 @@ import xarray as xr
 from scipy.io import loadmat
 
 import narrows as nw
-from narrows.base.files import is_stream, matlab_of, save_figure, write_whole
-from narrows.base.saving import save_dataset
+from narrows.base.files import is_stream, matlab_of, save_dataset, save_figure, write_whole
 from narrows.report.fit_page import write_report
 from narrows.report.voyage_figures import voyage_figure
 from tables import short_twin

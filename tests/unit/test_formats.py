@@ -11,7 +11,7 @@ import xarray as xr
 from scipy.io import loadmat
 
 import narrows as nw
-from narrows.base.saving import save_dataset
+from narrows.base.files import save_dataset
 
 DTC = "mikkelsen2025_dtc"
 VOYAGE = ("simulate", DTC, "--y", "0.5", "--duration", "20")

@@ -12,8 +12,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 import narrows as nw
+from narrows.base.files import to_json
 from narrows.base.results import BaseResult
-from narrows.base.saving import to_json
 from narrows.captive.measured import measured_files
 from narrows.identification.plan import plan_tests
 from narrows.model.tables import table_named

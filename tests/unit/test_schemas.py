@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.base.saving import plain, to_json
+from narrows.base.files import plain, to_json
 from narrows.captive.measured import measured_files
 from narrows.cli import app
 from narrows.model.tables import table_named

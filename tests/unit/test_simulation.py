@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from direct_equation import accelerations
 from dop853 import integrated
-from narrows.base.saving import save_dataset
+from narrows.base.files import save_dataset
 from narrows.simulation import settings
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip

@@ -19,8 +19,7 @@ import numpy as np
 import narrows
 from narrows.base.aliases import accept_aliases, aliases, name_here, unit_of
 from narrows.base.errors import InputError, did_you_mean
-from narrows.base.files import write_whole
-from narrows.base.saving import FORMS, csv_of, forms_of, to_json, write
+from narrows.base.files import FORMS, csv_of, forms_of, to_json, write, write_whole
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,8 +14,7 @@ import numpy as np
 from click.core import ParameterSource
 
 from narrows.base.errors import InputError, shown
-from narrows.base.files import PICTURES, form_of, is_stream, save_figure
-from narrows.base.saving import to_json
+from narrows.base.files import PICTURES, form_of, is_stream, save_figure, to_json
 from narrows.cli.app import app
 from narrows.quantities.names import SPEED_UNITS
 

@@ -1,9 +1,7 @@
 """``simulate``, ``map``, ``trials`` and ``waterway``, with their groups of options: start, helm, time, water."""
 
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -13,7 +11,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.base.errors import InputError, check_choice
-from narrows.base.saving import save_dataset
+from narrows.base.files import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 
@@ -78,22 +76,15 @@ class PhysicsOptions:
     contact: ContactKind = "corners"
 
 
-def read_current(
-    option: str, text: str, read: Callable[[str, str], float] = cli.speed
-) -> "float | list[tuple[float, float]]":
+def read_current(option: str, text: str) -> float | list[tuple[float, float]]:
     """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
     if ":" not in text:
-        return read(option, text)
+        return cli.speed(option, text)
     pairs = [pair.partition(":") for pair in text.split(",")]
-    return [(_number(option, place), read(option, number)) for place, _, number in pairs]
-
-
-def _number(option: str, text: str) -> float:
-    return float(cli.numbers(option, text)[0])
+    return [(float(cli.numbers(option, place)[0]), cli.speed(option, number)) for place, _, number in pairs]
 
 
 Current = Annotated[Any, read_current]
-Shear = Annotated[Any, partial(read_current, read=_number)]
 CurrentText = Annotated[Current, "Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s."]
 
 
@@ -104,7 +95,7 @@ class WaterOptions:
     level: Annotated[float | None, "Water level above that of the waterway's depths [m]."] = None
     current_across: Annotated[Current, "Current to starboard of the line, likewise."] = None
     current_shear: Annotated[
-        Shear, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
+        Current, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
     ] = None
 
     def read(self) -> "nw.Waterway | None":

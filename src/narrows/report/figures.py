@@ -34,13 +34,10 @@ from narrows.safety import EnvelopeAlong, SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
-from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
 from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.waterway.waterway import Waterway
-
-MOST_CURVES = 5
 
 
 def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
@@ -110,16 +107,6 @@ def _eigenvalues(poles: np.ndarray) -> Figure:
     axes[0, 0].plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
     axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
     axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
-    return figure
-
-
-def _sensitivities(result: Sensitivities) -> Figure:
-    """Change of the offset per 1 % of each quantity, the largest ones."""
-    figure, axes = panels(1, 1, 3.2)
-    for name in list(result.for_one_percent())[:MOST_CURVES]:
-        axes[0, 0].plot(result.voyage.t, 0.01 * result.values[name] * result.of("y", name), label=name)
-    axes[0, 0].set(xlabel="time [s]", ylabel="offset moved by one percent more [m]")
-    axes[0, 0].legend(frameon=False)
     return figure
 
 
@@ -196,7 +183,6 @@ FIGURES: dict[type, Callable[[Any], Figure]] = {
     ZigzagTest: zigzag_figure,
     Jacobian: lambda result: _eigenvalues(result.poles()),
     LinearSystem: lambda result: _eigenvalues(result.eigenvalues()),
-    Sensitivities: _sensitivities,
     SafeEnvelope: envelope_chart,
     EnvelopeAlong: envelope_along_chart,
     EstimatedTrack: track_figure,

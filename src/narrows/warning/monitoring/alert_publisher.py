@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from narrows.base.errors import InputError, needs
-from narrows.base.saving import to_json
+from narrows.base.files import to_json
 from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning import settings
 from narrows.warning.alerts.alert import (

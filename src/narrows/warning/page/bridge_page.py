@@ -21,7 +21,7 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 
 from narrows.base.errors import InputError, needs, reason
-from narrows.base.saving import plain
+from narrows.base.files import plain
 from narrows.warning import settings
 from narrows.warning.alerts.alert import AlertCommand, AlertDesk, Command
 from narrows.warning.inputs.bridge_readings import Tick
