@@ -347,7 +347,7 @@ def _left_at(one: WatchedTransit, met: float, spells: list[tuple[float, float]])
     raised = [max(start, begin) for start, end in spells if start < met and end >= begin]
     if not raised:
         return 0.0
-    left = float(one.columns["last_chance"][min(int(np.searchsorted(t, raised[0] - SAME)), len(t) - 1)])
+    left = float(one.columns["last_chance"][np.searchsorted(t, raised[0] - SAME)])
     return left if math.isfinite(left) else settings.BEFORE_CONTACT
 
 
