@@ -82,9 +82,6 @@ class HeldLine:
             raise InputError(
                 f"a regulator has gains for {', '.join(FEEDBACK)} and turns of {', '.join(TURNED)}; give each"
             )
-        for number in (self.y, *self.gains, self.rudder, self.psi, self.v, *self.turning, self.start):
-            if not np.isfinite(number).all():
-                raise InputError(f"a regulator with {number} steers nothing; give finite numbers")
 
     def numbers(self) -> dict[str, Any]:
         held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
@@ -113,11 +110,9 @@ class Regulator(BaseSummary):
             raise InputError(
                 "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
-        for name in ("u", "unwinding", "lead", "integral"):
-            value, positive = np.asarray(getattr(self, name)), name in ("u", "unwinding")
-            if not (np.isfinite(value) & ((value > 0) | (not positive))).all():
-                remedy = f"{name} over 0" if positive else "a finite number"
-                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give {remedy}")
+        numbers = [self.u, self.lead, self.unwinding, *(n for line in self.lines for n in line.numbers().values())]
+        if not all(np.isfinite(number).all() for number in numbers):
+            raise InputError("a regulator with a number that is not finite steers nothing; give finite ones")
 
     def summary(self) -> str:
         more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""

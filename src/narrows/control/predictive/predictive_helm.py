@@ -198,8 +198,6 @@ class PredictiveHelm(BaseSummary):
             raise InputError(f"u = {self.u:g} m/s: a rudder steers nothing without way; give a speed over 0")
         if not 0.5 <= self.confidence < 1:
             raise InputError(f"confidence = {self.confidence:g} must be a share from 0.5 to less than 1")
-        if self.margin is not None and self.margin < 0:
-            raise InputError("margin must not be negative")
         if self.revolutions is not None and not self.model.terms.propelled:
             raise InputError("revolutions change nothing here: this model has no terms of a propeller; leave them out")
         ship, canal = self.model.configuration.ship, self.model.configuration.canal
