@@ -33,6 +33,20 @@ def test_settings_are_those_of_the_page_on_control() -> None:
     assert (control_settings.DESIGN_JUDGES, control_settings.DESIGNS_A_ROUND) == (10, 12)
 
 
+def test_settings_of_designs_and_plans() -> None:
+    """Changes here change the weights that a design finds and the plans of a helm: each is deliberate."""
+    assert control_settings.TRIAL_NOISE == (0.01, pytest.approx(0.1 * DEGREE))
+    assert pytest.approx(DEGREE) == control_settings.TRIAL_HEADING
+    assert (control_settings.DESIGN_STEP, control_settings.TRIAL_STEPS) == (0.3, 50)
+    assert (control_settings.PUSH_LENGTHS, control_settings.RETURNING, control_settings.FREE_CLEARANCE) == (0.3, 20, 4)
+    assert (control_settings.LEAD_TIME, control_settings.SLOWEST, control_settings.GOVERNOR_TIME) == (0.45, 0.05, 3.0)
+    assert (control_settings.MOST_DRIFT, control_settings.MOST_TURN, control_settings.LEAST_CLEARANCE) == (
+        0.5,
+        1.0,
+        0.2,
+    )
+
+
 # Linear systems
 
 
