@@ -221,6 +221,7 @@ FIRST, GENTLER, HARDER, MOST = 1e-3, 0.1, 10.0, 1e4
 KEPT_STEPS = 200_000  # Time steps of records whose paths are stored; longer logs smooth each path anew
 RESTARTS = 3  # Restarts of the search with another number of correlated readings
 SETTLED = 1.2  # Ratio of two such numbers below which the last one is kept
+LOOSE_WALK = 1e-3  # Process noise over lengths and speeds of the ship, where no whole record can be followed
 
 Grids = Iterable[RecordGrid]
 
@@ -251,12 +252,15 @@ class SearchResult:
 def search(
     problem: LogProblem, grids: Grids, steps: int = MOST_STEPS, scaled: np.ndarray | None = None
 ) -> SearchResult | None:
-    """Maximise the posterior; None where the records diverge."""
+    """Maximise the posterior, over short stretches where whole records diverge; None where these diverge too."""
     # It begins at scaled coefficients (p,), or those of the prior. Without disturbances the residuals of a record are
     # correlated: the likelihood then counts one of so many readings, as a composite likelihood does.
     begin = np.zeros(len(problem.precision))
     begin[: problem.count] = 0.0 if scaled is None else scaled
     found = _maximum(problem, grids, begin, (), steps)
+    if found is None or found.diverged:
+        problem = replace(problem, walk=LOOSE_WALK)
+        found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
     for _ in range(RESTARTS * (not problem.model.gusts)):
         if found is None or found.interrupted or not found.records:
             break

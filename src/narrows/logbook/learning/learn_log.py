@@ -13,7 +13,7 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.progress import stage
-from narrows.logbook.filtering.likelihood import SearchResult, search
+from narrows.logbook.filtering.likelihood import LOOSE_WALK, SearchResult, search
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, OFFSET, RUDDER
 from narrows.logbook.learned_coefficients import LogPosterior, Spread, averaged, learned_model, log_posterior
@@ -26,6 +26,9 @@ from narrows.waterway import Waterway
 
 RUNS_AWAY = (
     "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
+)
+STRETCHES = (
+    "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
 )
 HASH_DIGITS = 12  # Digits of a hash in a sentence
 
@@ -120,7 +123,7 @@ def log_result(
     came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     assumed = _assumptions(found.problem, free)
-    about = (*apart, *assumed, *posed.left_out,
+    about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
              *(stopped,) * found.interrupted)  # fmt: skip
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
