@@ -219,10 +219,9 @@ def check_log(
 ) -> LogFindings:  # fmt: skip
     """Find what is wrong with a ship's log: signs, units, zeros, gains, delays, the antenna's place, steps.
 
-    Clocks and sizes are checked in each record. Then the model is fitted to the first 20 records as ``learn``
-    does, and each fault is one parameter of the same filter, tested by its score (Lagrange multiplier test). Signs,
-    units and axes are compared by their likelihood. The strongest fault is named with its size and its effect on
-    the coefficients; mend it and check again. A quiet record has little information: a clean log is no proof.
+    Clocks and sizes are checked in each record. Then the model is fitted to the first 20 records, and each fault is one
+    parameter of the same filter, tested by its score (Lagrange multiplier test). The strongest fault is named with its
+    size and its effect on the coefficients; mend it and check again.
 
     Raises an InputError where there is no record.
 

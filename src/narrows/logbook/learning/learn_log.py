@@ -41,13 +41,10 @@ def learn(
 ) -> LogFit:  # fmt: skip
     """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal.
 
-    A Kalman filter predicts each reading from the earlier ones under the recorded rudder; the coefficients maximise the
-    likelihood of its errors (innovations) and the prior. Gusts are first-order Gauss-Markov processes, as strong and as
-    long as the records make most likely; sensor errors, currents and a steady wind are estimated with the ship's state.
-    A pilot may see more than the sensors: where gusts act, the answer is the mean of two fits, one with the rudder as
-    given, one with the rudder as readings of a pilot's linear law. Where no gusts act, whole records are predicted from
-    their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. Ctrl-C
-    ends the search and keeps what was found. The result tells what was learned and what still comes from the prior.
+    The coefficients maximise the likelihood of the errors of a Kalman filter (innovations) and the prior, under the
+    recorded rudder. In gusts the answer is the mean of two fits, one with the rudder as given, one with the rudder as
+    readings of a pilot's linear law. Motion determines forces over inertia alone: the prior of the inertia holds the
+    rest. Ctrl-C ends the search and keeps what was found.
 
     Raises an InputError where the model has neither covariance nor spread, a name is unknown, or no record can be used.
 

@@ -122,10 +122,8 @@ class SteadyFit(LearnedAnswer):
 def learn_steady(model: Model, observations: Any, *, conditions: SteadyConditions | None = None) -> SteadyFit:
     """Learn from a ship that was held off the middle: the steady rudder and drift, to both sides.
 
-    The covariance of the model's coefficients is the prior, all of it, and the balance of sway and yaw on each leg
-    updates it: exactly, for it is linear in the coefficients, and anew until nothing moves where errors of offset,
-    speed and angles make it otherwise. No pilot enters. Wind and the zeros of the instruments are unknown and the same
-    on all legs; the slope over both sides cancels them.
+    The covariance of the model's coefficients is the prior; the balance of sway and yaw on each leg updates it. Wind
+    and the zeros of the instruments are unknown and the same on all legs; the slope over both sides cancels them.
 
     Raises an InputError where the model has no rudder or no covariance, or the rows are no legs of this ship in this
     canal.
