@@ -10,6 +10,7 @@ from scipy.stats import expon
 from transit import SENSORS, estimate, estimator, ship
 
 from narrows.estimation import Estimator
+from narrows.estimation.states import StateNames
 from narrows.warning.forecasting.forecaster import Forecaster, crossing, escapes, judged
 from narrows.warning.forecasting.helmsman import KICK, STEADY, Case, FutureLanes, Helmsmen, Outcomes, Ships
 
@@ -218,3 +219,13 @@ def test_the_rudder_of_a_forecast_has_its_bias_and_leaves_a_margin() -> None:
     assert told.rudder_margin == pytest.approx(ship().configuration.gear.limit - abs(told.rudder_needed))
     assert told.unattended == 0.02
     assert told.tracks.times.tolist() == list(range(5, 121, 5))
+
+
+def test_a_bank_and_a_rudder_that_are_not_estimated_are_as_the_model_has_them() -> None:
+    known = SimpleNamespace(
+        model=ship(), states=StateNames(("x", "y", "psi", "u", "v", "r")), root=np.zeros((len(ship().terms.names), 0))
+    )
+    one, none = SimpleNamespace(filter=known), np.zeros((1, 1))
+    ships = Forecaster.sampled(one, np.ones((1, 6)), np.zeros((1, 6, 1)), none, np.array([0.1]), {})  # type: ignore[arg-type]
+    assert ships.rudder.tolist() == [0.1]
+    assert {name: float(value[0]) for name, value in ships.coefficients.items()} == dict(ship().coefficients)
