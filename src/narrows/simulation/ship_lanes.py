@@ -14,6 +14,7 @@ from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.system import DEFAULTS
 from narrows.quantities.names import Number
 from narrows.simulation import lane_loops
+from narrows.simulation.controllers import WithoutMemory
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun, PreparedRun
 from narrows.simulation.ship import PARAMETER, SimulatedShip, steering_of
@@ -27,7 +28,7 @@ RUDDER = "rudder"
 ENDLESS = 1e12
 
 
-class ActuatorRates:
+class ActuatorRates(WithoutMemory):
     """A law of prescribed rates of actuators."""
 
     def __init__(self, names: Sequence[str]) -> None:
@@ -35,9 +36,6 @@ class ActuatorRates:
 
     def parameters(self) -> dict[str, float]:
         return {f"turning_{name}": 0.0 for name in self.names}
-
-    def memory(self, start: Any) -> dict[str, Number]:
-        return {}
 
     def orders(self, at: Any) -> tuple[dict[str, Number], dict[str, Number]]:
         return {name: getattr(at, name) + getattr(at, f"turning_{name}") * at.dt for name in self.names}, {}
