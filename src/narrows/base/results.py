@@ -4,9 +4,7 @@ import ast
 import builtins
 import math
 import re
-import sys
 from collections.abc import Collection, Iterator
-from dis import opname
 from functools import cache, partial
 from html import escape
 from inspect import CO_VARKEYWORDS, isfunction, signature
@@ -160,12 +158,6 @@ class Named(dict[str, Any]):
         return np.array([*self.values()], dtype)
 
     if not TYPE_CHECKING:
-
-        def __iter__(self) -> Iterator[Any]:
-            # ``X, Y, N = forces`` means the values; a dict would assign its keys without a word.
-            caller = sys._getframe(1)
-            is_unpacking = opname[caller.f_code.co_code[caller.f_lasti]] in ("UNPACK_SEQUENCE", "UNPACK_EX")
-            return iter(self.values() if is_unpacking else self.keys())
 
         def __getattr__(self, name: str) -> Any:
             if name in self:
