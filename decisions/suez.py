@@ -18,9 +18,9 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.physics.squat_and_depth import depth_froude
 from narrows.quantities.names import KNOT
-from narrows.safety import SURE_SHARE
 from narrows.safety.headline import crossing
 from narrows.safety.pilots import PILOTS
+from narrows.safety.settings import SURE_SHARE
 
 LENGTH, WIDTH, DEPTH, DENSITY = 399.94, 205.0, 24.0, 1025.0
 SHIP = nw.Ship(LENGTH, 58.8, 15.85, 0.661, name="a ship of that size")

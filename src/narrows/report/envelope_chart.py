@@ -29,9 +29,11 @@ from narrows.report.style import (
     panels,
     titled,
 )
-from narrows.safety import MEDIAN, SURE_SHARE, EnvelopeAlong, OutsideRules, SafeEnvelope
-from narrows.safety.channel_rules import READ, REMEMBERED
+from narrows.safety.channel_rules import READ, REMEMBERED, OutsideRules
+from narrows.safety.envelope_along import EnvelopeAlong
 from narrows.safety.headline import runs
+from narrows.safety.result import MEDIAN, SafeEnvelope
+from narrows.safety.settings import SURE_SHARE
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = "\\\\\\"

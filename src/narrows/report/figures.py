@@ -30,7 +30,8 @@ from narrows.report.pilot_page import legs_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
-from narrows.safety import EnvelopeAlong, SafeEnvelope
+from narrows.safety.envelope_along import EnvelopeAlong
+from narrows.safety.result import SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
