@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import narrows as nw
+from narrows.logbook.checking import faults
 from narrows.logbook.checking.faults import (
     MISREADINGS,
     Fault,
@@ -222,3 +223,20 @@ def test_a_stuck_value_lasts_from_its_first_reading_to_its_last() -> None:
 
 def test_a_significance_is_a_size_over_its_error() -> None:
     assert FaultTest(3, None, "A", 4.0, 2.0, 0.05).significance == 2.0  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("noise", "ratio"), [(0.3, 3.0), (0.05, 1.0)])
+def test_noise_of_a_reread_signal_is_that_of_its_second_differences(
+    noise: float, ratio: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a signal that rises evenly, over the noise of 0.1 that the model has, and no less than that."""
+    tried: list[np.ndarray] = []
+    follower = SimpleNamespace(smoothed=lambda unknowns, path, passes: tried.append(unknowns))
+    monkeypatch.setattr(faults, "RecordLikelihood", lambda problem, grid: follower)
+    t = np.arange(4000.0)
+    values = 0.2 * t + noise * np.random.default_rng(0).standard_normal(len(t))
+    told = SimpleNamespace(record=nw.ShipRecord("A", {"y": nw.Signal(t, values)}))
+    model = SimpleNamespace(estimated=(SimpleNamespace(of="noise", names=("y",)),), noise={"y": 0.1})
+    problem = SimpleNamespace(precision=np.eye(3), count=2, model=model)
+    assert faults._fitted(problem, None, told) == (math.inf, 1.0)  # type: ignore[arg-type]
+    np.testing.assert_allclose(np.exp(tried[0]), [1.0, 1.0, ratio], rtol=0.05)
