@@ -103,9 +103,9 @@ def test_faults_of_one_kind_in_several_records_are_one_fault_of_all(monkeypatch:
     zero, step = Fault("zero", "psi", None), Fault("step", "psi", None)
     own = {"A": [zero], "B": [zero, step]}
     pieces = {}
-    for name, faults in own.items():
-        root = draw.normal(size=(1 + len(faults), 4))
-        pieces[name] = (name, faults, draw.normal(size=1 + len(faults)), root @ root.T)
+    for name, kinds in own.items():
+        root = draw.normal(size=(1 + len(kinds), 4))
+        pieces[name] = (name, kinds, draw.normal(size=1 + len(kinds)), root @ root.T)
     monkeypatch.setattr("narrows.logbook.checking.faults._of_record", lambda found, grid, record: pieces[grid])
     found = SimpleNamespace(unknowns=np.zeros(1), records=(None, None), problem=SimpleNamespace(precision=np.eye(1)))
     tests = FaultTests.of(found, ["A", "B"], "all")  # type: ignore[arg-type,list-item]
