@@ -244,6 +244,7 @@ def is_noticed(mutation: Mutation, tests: list[str], source: Path) -> bool:
         file.write_text(mutated(mutation), "utf-8")
         failing = first_failure(tests, source)
         file.write_text(whole, "utf-8")
+        shutil.rmtree(source / "cache", ignore_errors=True)
         if not failing or failing not in tests or not first_failure([failing], source):
             return bool(failing)
         tests = [test for test in tests if test != failing]
@@ -285,6 +286,7 @@ def run_tests(tests: list[str], source: Path, answer: int) -> None:
 
     signal.alarm(TIME_LIMIT)
     os.environ["PYTHONPATH"] = str(source)
+    os.environ["NARROWS_CACHE_DIR"] = str(source / "cache")  # Programs of a mutated generator must not outlive it
     sys.path.insert(0, str(source))
     sys.dont_write_bytecode = True
     os.chdir(ROOT)

@@ -12,7 +12,7 @@ import narrows as nw
 from narrows.empirical.fleet import model_named
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import UNTESTED, print_envelope_along
-from narrows.safety.envelope_along import _tightest, reach_at
+from narrows.safety.envelope_along import EnvelopeAlong, _tightest, reach_at
 from narrows.waterway import Bank, Centreline, Waterway
 
 PLACES, SPEEDS, OFFSETS = [0.0, 400.0, 1500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
@@ -47,11 +47,11 @@ def ship() -> nw.Model:
 
 
 @pytest.fixture(scope="module")
-def found() -> nw.safety.EnvelopeAlong:
+def found() -> EnvelopeAlong:
     return nw.envelope_along(ship(), way(), PLACES, **ASKED)
 
 
-def test_each_row_is_the_envelope_of_its_place(found: nw.safety.EnvelopeAlong) -> None:
+def test_each_row_is_the_envelope_of_its_place(found: EnvelopeAlong) -> None:
     for row, place in zip(found.rows(), found.computed_at.tolist(), strict=True):
         reach = reach_at(ship(), way(), place)
         alone = nw.safe_envelope(reach.model, **reach.asked, **ASKED)
@@ -80,7 +80,7 @@ def test_each_reach_is_computed_at_its_tightest_section() -> None:
         assert (line.get_xdata()[0], line.get_xdata()[-1]) == (0.0, along.waterway.line.length)
 
 
-def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.EnvelopeAlong) -> None:
+def test_what_was_not_tested_is_hatched_and_not_called_safe(found: EnvelopeAlong) -> None:
     deep, _, shallow = found.rows()
     assert np.isfinite(deep["highest_speed"])
     assert np.isnan(shallow["highest_speed"])
@@ -116,7 +116,7 @@ def test_zero_is_not_negative(capsys: pytest.CaptureFixture[str]) -> None:
     assert np.diff(usual).min() < np.ptp(usual) / 20
 
 
-def test_the_chart_has_a_key_for_white_and_starts_at_the_lowest_speed(found: nw.safety.EnvelopeAlong) -> None:
+def test_the_chart_has_a_key_for_white_and_starts_at_the_lowest_speed(found: EnvelopeAlong) -> None:
     figure = found.plot()
     assert "not safe, or not computed" in [words.get_text() for words in figure.legends[0].get_texts()]
     assert figure.axes[0].get_ylim()[0] == pytest.approx(SPEEDS[0] / KNOT)
@@ -191,7 +191,7 @@ def test_a_reach_has_the_section_the_bend_of_its_middle_and_the_current() -> Non
     assert reach.model.configuration.canal.depth == model.configuration.canal.depth
 
 
-def test_banks_and_reaches_are_those_of_the_waterway(found: nw.safety.EnvelopeAlong) -> None:
+def test_banks_and_reaches_are_those_of_the_waterway(found: EnvelopeAlong) -> None:
     np.testing.assert_allclose(found.edges(), [0.0, 200.0, 950.0, 3000.0])
     s, port, starboard = found.banks()
     np.testing.assert_allclose(np.interp([0.0, 1500.0, 3000.0], s, port), [-140.0, -125.0, -110.0])

@@ -105,7 +105,7 @@ def test_every_language_of_the_bank_force_tells_it_too(suffix: str, tmp_path: Pa
 
 
 DOORS_OF_LOGS = {
-    "plan of steady legs": lambda model: nw.plan_steady(model, [10.0], [4.0], legs=2, samples=20).notes,
+    "plan of steady legs": lambda model: nw.plan_steady(model, [10.0], [4.0], legs=2).notes,
     "forecast of information": lambda model: nw.predict_information(model, transits=1, u=4.0).notes,
 }
 
@@ -122,7 +122,7 @@ def test_plans_of_what_to_learn_tell_it_too(door: str) -> None:
 
 
 def test_an_unknown_depth_leaves_the_speeds_of_legs_to_the_tests() -> None:
-    plan = nw.plan_steady(without("canal.depth"), [10.0], legs=2, samples=20)
+    plan = nw.plan_steady(without("canal.depth"), [10.0], legs=2)
     fastest = KNOWN["data_range"]["speed"][1]
     assert plan.legs
     assert all(0 < leg.speed <= fastest for leg in plan.legs)
@@ -132,7 +132,7 @@ def test_an_unknown_depth_leaves_the_speeds_of_legs_to_the_tests() -> None:
 def test_a_log_learned_at_an_unknown_depth_says_so() -> None:
     def told(model: nw.Model) -> str:
         motion = SimpleNamespace(model=model, choices={})
-        return " ".join(_assumptions(SimpleNamespace(motion=motion, model=SimpleNamespace(processes=())), (), 0))
+        return " ".join(_assumptions(SimpleNamespace(motion=motion, model=SimpleNamespace(processes=())), ()))
 
     assert "a depth of 16.2 m" in told(nw.Model.from_dict(KNOWN))
     assert "a depth that is not known" in told(without("canal.depth"))

@@ -124,7 +124,7 @@ def test_a_key_silences_and_a_refusal_is_read(page: Any, pulse: Pulse) -> None:
     soon(lambda: not pulse.page.requests._waiting.empty())
     assert asked(pulse.page, pulse.monitored) == []
     page.wait_for_selector("#refused:not(:empty)")
-    assert page.inner_text("#refused").startswith("Refused. BANK TO STBD: the alert has changed")
+    assert page.inner_text("#refused").startswith("Refused. That alert is over, or has changed")
     assert page.get_attribute("#refused", "role") == "status"
 
 

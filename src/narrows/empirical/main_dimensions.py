@@ -66,7 +66,7 @@ NEEDED = ("length", "beam", "draft", "block_coefficient")
 def estimate_model(
     ship: Ship | Mapping[str, Any], canal: Canal, water: Water = SEA, *, kind: str | None = None,
     speed: float | None = None, propeller: Propeller | None = None, rudder: Rudder | None = None,
-    steering: SteeringGear | None = None, calibration: Calibration = ALL_SHIPS,
+    steering: SteeringGear | None = None, calibration: Calibration | None = None,
 ) -> Model:  # fmt: skip
     """Estimate the model of a ship from its main dimensions, with the errors of the formulas on known ships.
 
@@ -90,7 +90,7 @@ def estimate_model(
         Service speed for the propeller's revolutions; usual for the kind unless given.
     propeller, rudder, steering : Propeller, Rudder, SteeringGear, optional
         Estimated if not given; the default gear is that of the rules.
-    calibration : Calibration
+    calibration : Calibration, optional
         Errors of the formulas; those on all known ships unless given.
 
     Examples
@@ -101,6 +101,7 @@ def estimate_model(
     >>> model.terms.name
     'mmg+distance'
     """
+    calibration = calibration or ALL_SHIPS
     parts = {"propeller": propeller, "rudder": rudder, "steering": steering}
     check_types(ship, canal, water, **parts)
     known, filled = _completed(ship, kind)
