@@ -2,8 +2,9 @@
 
 Each mutation changes one operator, comparison or number of a file. The tests that run the changed line, as coverage.py
 recorded them, then run until the first failure, the quickest first. What no test notices is printed as a survivor, with
-its line before and after. Record first which test runs which line, with pytest-cov (half an hour):
+its line before and after. Record first which test runs which line, with pytest-cov (a quarter of an hour):
 
+    python -m pip install pytest-cov
     python -m pytest -n auto --cov=narrows --cov-context=test --cov-report= --junitxml=out/tests.xml tests
     python decisions/mutations.py                     # 100 mutations, the same at every run
     python decisions/mutations.py --count 20 --seed 3 --of warning
