@@ -259,7 +259,7 @@ def test_a_corner_in_the_bank_has_a_program_with_an_answer() -> None:
 def test_what_it_cannot_do_is_one_sentence_with_a_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     for told, word in (
         ({"y": 3.3}, "in the bank"), ({"u": 0.0}, "without way"), ({"u": math.nan}, "finite"),
-        ({"confidence": 1.0}, "share"), ({"horizon": 0.0}, "positive"),
+        ({"margin": -1.0}, "reach into the bank"), ({"confidence": 1.0}, "share"), ({"horizon": 0.0}, "positive"),
         ({"intervals": 1}, "intervals"), ({"revolutions": 3.0}, "propeller"),
         ({"waterway": "canal"}, "read_waterway"),
     ):  # fmt: skip

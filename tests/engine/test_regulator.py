@@ -265,7 +265,10 @@ LINE = HeldLine(0.0, (1.0,) * 6)
         (lambda: HeldLine(0.0, (1.0,)), "give each"),
         (lambda: Regulator((HeldLine(math.nan, (1.0,) * 6),), 1.0, 1.0, 1.0), "steers nothing"),
         (lambda: Regulator((), 1.0, 1.0, 1.0), "one line or more"),
+        (lambda: Regulator((LINE,), 0.0, 1.0, 1.0), "u over 0"),
+        (lambda: Regulator((LINE,), 1.0, 1.0, 0.0), "unwinding over 0"),
         (lambda: Regulator((LINE,), 1.0, math.inf, 1.0), "not finite"),
+        (lambda: Regulator((LINE,), 1.0, 1.0, 1.0, math.nan), "not finite"),
     ],
 )
 def test_what_is_no_regulator_is_one_sentence(make: Any, words: str) -> None:

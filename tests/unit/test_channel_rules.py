@@ -52,7 +52,7 @@ def test_what_a_rule_asks_for_is_said_where_there_is_less() -> None:
     (ufc,) = [row for row in rows("a ship of 400 m in 205 x 24 m", "gentle") if row["rule"] == "UFC 4-150-06"]
     assert round(ufc["width"]) == 223  # 1.8 + 2 x 1.0 beams of 58.8 m
     summary = nw.outside_rules(CASES["a ship of 400 m in 205 x 24 m"], "gentle").summary()
-    assert "UFC 4-150-06: to 10 knots, needs 223 m of water." in summary
+    assert "UFC 4-150-06: to 10 knots, needs 223 m of water, more than there is." in summary
 
 
 @pytest.mark.parametrize(

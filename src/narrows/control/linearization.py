@@ -147,8 +147,8 @@ def linearize(
     waterway, at : Waterway, float [m], optional
         Waterway instead of the model's own canal, and the place along it.
     surge : str
-        ``held``: constant speed; ``free``: it is a state. A propeller turns as it must straight ahead, and a force X,
-        which the course gives, is what the ship lacks beside that.
+        ``held``: constant speed; ``free``: it is a state. The propeller keeps the revolutions of this speed straight
+        ahead; a force X, part of the course, balances the remaining resistance.
     surge_inertia : float [kg], optional
         Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     **values : float [SI]

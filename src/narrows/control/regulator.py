@@ -110,9 +110,13 @@ class Regulator(BaseSummary):
             raise InputError(
                 "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
-        numbers = [self.u, self.lead, self.unwinding, *(n for line in self.lines for n in line.numbers().values())]
+        own = [self.u, self.lead, self.unwinding, self.integral, *starts]
+        numbers = [*own, *(number for line in self.lines for number in line.numbers().values())]
         if not all(np.isfinite(number).all() for number in numbers):
             raise InputError("a regulator with a number that is not finite steers nothing; give finite ones")
+        for name in ("u", "unwinding"):
+            if not (np.asarray(getattr(self, name)) > 0).all():
+                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give {name} over 0")
 
     def summary(self) -> str:
         more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""

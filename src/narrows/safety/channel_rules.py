@@ -21,9 +21,8 @@ READ, REMEMBERED = "checked in the source", "from memory, not checked"
 KMH_PER_MS = 3.6  # Kilometres per hour in one metre per second
 # Limits in words, by the name of their column.
 WORDS = {
-    "slowest": "from {:g} knots on", "fastest": "to {:g} knots", "width": "needs {:.0f} m of water",
-    "port": "offsets from {:+.0f} m", "starboard": "to {:+.0f} m", "speed_limit": "{:.2f} knots",
-    "of_choking": "{:.0%} of choking", "rudder": "{:g} degrees of rudder at most, for long",
+    "slowest": "from {slowest:g} knots", "fastest": "to {fastest:g} knots", "width": "needs {width:.0f} m of water",
+    "speed_limit": "{speed_limit:.2f} knots", "rudder": "{rudder:g} degrees of rudder at most, for long",
 }  # fmt: skip
 CONDITIONS = {"over": operator.gt, "least": operator.ge, "most": operator.le}
 
@@ -62,10 +61,7 @@ class OutsideRules(Tabulated):
     choke: float  #: Speed at which the canal is choked; infinite if the depth is unknown [m/s]
 
     def summary(self) -> str:
-        return "\n".join(
-            f"{row['rule']}: {', '.join(form.format(row[name]) for name, form in WORDS.items() if row[name])}."
-            for row in self.rows()
-        )
+        return "\n".join(map(_sentence, self.rows()))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -141,3 +137,13 @@ def outside_rules(
     return OutsideRules(
         ship.length, ship.beam, ship.draft, depth, bank, *(walls or (canal.width / 2, canal.width / 2)), choke
     )
+
+
+def _sentence(row: dict[str, Any]) -> str:
+    words = [form.format(**row) for name, form in WORDS.items() if row[name]]
+    if row["width"]:
+        fits = row["port"] is not None
+        words.append("offsets from {port:+.0f} to {starboard:+.0f} m".format(**row) if fits else "more than there is")
+    if row["of_choking"]:
+        words.append(f"{100 * row['of_choking']:.0f} % of choking")
+    return f"{row['rule']}: {', '.join(words)}."

@@ -173,7 +173,7 @@ class SafeEnvelope(BaseResult):
         return _rows(columns | {"limited_by": self.limited_by()})
 
     def speed_rows(self) -> list[dict[str, Any]]:
-        """Return one row per speed [knots]: clearance under the keel [m], and whether all allows it."""
+        """Return one row per speed [knots]: keel clearance [m], and whether keel, canal and engine allow the speed."""
         columns = {"keel_clearance": self.data["clearance"], "keel_clear": self.data["clear"]}
         return _rows({"speed": self.data["u"] / KNOT, **columns})
 
@@ -260,8 +260,9 @@ def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> list[
             over = far.size > 0 and not (fits and row["port"] <= far.min() and far.max() <= row["starboard"])
         exceeded |= {row["rule"]: None} if over else {}
     reasons = (
-        "their widths include manual steering, wind and current, where the pilot of these trials has exact offset, "
-        "heading and drift; their small rudder is here a reserve; their speeds also protect banks and traffic"
+        "widths of rules include manual steering, wind and current, but the pilot of these trials has exact offset, "
+        "heading and drift; rules keep the rudder small, the trials keep a reserve of it; speed limits also protect "
+        "banks and traffic"
     )
     return [f"The envelope exceeds {', '.join(exceeded)}: {reasons}."] if exceeded else []
 

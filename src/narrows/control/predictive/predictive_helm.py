@@ -170,8 +170,8 @@ class PredictiveHelm(BaseSummary):
     At every step it predicts the motion by the ship's own equations, takes their exact derivatives, and solves a
     quadratic program for the rudder rates ahead: within the limits of the gear, clear of both banks, towards the steady
     course for bends and narrowings. It estimates an unexplained force, so that no steady error stays. If the program
-    has no solution, the best linear helm about the same course steers. It is for single voyages:
-    ``simulate(model, ..., controller=helm)``.
+    has no solution, the best linear helm about the same course steers. It is for single voyages: ``simulate(model, ...,
+    controller=helm)``.
 
     Source: Diehl, Bock and Schloeder (2005), A real-time iteration scheme for nonlinear optimization in optimal
     feedback control, SIAM Journal on Control and Optimization 43(5), 1714-1736.
@@ -198,6 +198,8 @@ class PredictiveHelm(BaseSummary):
             raise InputError(f"u = {self.u:g} m/s: a rudder steers nothing without way; give a speed over 0")
         if not 0.5 <= self.confidence < 1:
             raise InputError(f"confidence = {self.confidence:g} must be a share from 0.5 to less than 1")
+        if self.margin is not None and self.margin < 0:
+            raise InputError(f"margin = {self.margin:g} m: plans with it reach into the bank; give a distance from 0")
         if self.revolutions is not None and not self.model.terms.propelled:
             raise InputError("revolutions change nothing here: this model has no terms of a propeller; leave them out")
         ship, canal = self.model.configuration.ship, self.model.configuration.canal

@@ -68,11 +68,14 @@ def steady_readings(table: Any, conditions: "SteadyConditions") -> SteadyReading
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
     frame = frame.rename(columns=lambda header: re.sub(f"^{HEADING}(?=\\W|_|$)", "drift", str(header)))
     headers, known = list(frame.columns), recognised_in(frame, COLUMNS, source)
+    if [column.quantity for column in known].count("drift") > 1:
+        raise InputError(f"{source}: there are two columns of drift or heading; keep one")
     check_once(known, headers, COLUMNS, source)
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
     for name in READ:
         if name not in columns:
-            raise InputError(f"{source}: there is no column {name!r}{did_you_mean(name, headers)}")
+            wanted = "'drift [deg]' or 'heading [deg]'" if name == "drift" else repr(name)
+            raise InputError(f"{source}: there is no column {wanted}{did_you_mean(name, headers)}")
     stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(conditions, name))) for name in READ}
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}

@@ -65,7 +65,7 @@ class Command(Enum):
     SILENCE = "S"
 
 
-MAKER = "NRW"  # Whose alerts they are
+MAKER = "NRW"  # Manufacturer's code in the sentences
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
@@ -144,11 +144,11 @@ class Alert:
 class AlertCommand(NamedTuple):
     identifier: int  # Number of the alert
     instance: int  # Instance of the alert
-    command: Command  # What
+    command: Command  # Requested change of its state
 
 
 def command_of(text: bytes) -> AlertCommand | None:
-    """Return the command of a sentence ACN whose checksum is right; None where it is no command to us."""
+    """Return the command of a sentence ACN whose checksum is right; None if it is for another maker."""
     match = ACN.match(text)
     if match is None or match[1] not in (b"", MAKER.encode()):
         return None
