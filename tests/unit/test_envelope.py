@@ -223,6 +223,9 @@ class TestTrials:
     def test_no_draw_is_no_trial(self, ship: nw.Model) -> None:
         with pytest.raises(nw.InputError, match="one sample at least"):
             trials(ship, OFFSETS, SPEEDS, np.zeros(2), Disturbance(), 0, 0)
+        for samples in (None, 1.5):
+            with pytest.raises(nw.InputError, match="whole number"):
+                nw.safe_envelope(ship, OFFSETS, SPEEDS, samples=samples)
 
 
 @pytest.fixture(scope="module")

@@ -147,15 +147,24 @@ def test_conditions_that_no_test_covered_are_named_one_by_one() -> None:
         )
 
 
-def conditions(t: float, told: object, began: float = 100.0, why: str = "because", late: str = "") -> dict:
+def conditions(
+    t: float, told: object, began: float = 100.0, why: str = "because", late: str = "", seen: object = None
+) -> dict:
     one = SimpleNamespace(
         publisher=SimpleNamespace(late=late), model=ship(), waterway=canal(), _cautions=Cautions(), _began=began,
         _levels={side: BankLevel() for side in BANKS}, desk=AlertDesk(),
     )  # fmt: skip
     said = {}
     for second in range(3):
-        said = BridgeMonitor._conditions(one, messages(t + second), estimate(0.0), told, why)  # type: ignore[arg-type]
+        now = seen or estimate(0.0)
+        said = BridgeMonitor._conditions(one, messages(t + second), now, told, why)  # type: ignore[arg-type]
     return said
+
+
+def test_without_an_estimate_an_alert_of_draft_or_depth_stays_as_it_was() -> None:
+    assert SHIP_OR_WATER in conditions(118.0, None)
+    unknown = SimpleNamespace(ready=False, refused=(), suspects=())
+    assert SHIP_OR_WATER not in conditions(118.0, None, seen=unknown)
 
 
 def test_a_missing_forecast_is_a_warning_after_20_s_and_a_hazard_has_a_side() -> None:

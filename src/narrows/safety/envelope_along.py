@@ -117,7 +117,8 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
     that reach: least free width (less what the hull sweeps in a bend) times water under the keel. By default
-    it has nine offsets, nine speeds and those where the tests end.
+    it has nine offsets, nine speeds and those where the tests end. The answer of each of the ``envelopes`` names what
+    the number of samples leaves uncertain; the summary does not.
 
     Raises an InputError if a place is not on the waterway or they do not rise, the ship does not fit, or an option is
     impossible.

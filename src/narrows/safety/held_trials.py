@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, check_count
 from narrows.base.progress import bar
 from narrows.codegen.choices import AFTER
 from narrows.control.regulator import FEEDBACK, RegulatorWeights, stacked_gains
@@ -43,6 +43,7 @@ def trials(
     # canal, and is back within half a beam of its line for the last three ship lengths of the trial. A propeller keeps
     # the revolutions of its speed straight ahead, and the speed follows. There are two pilots: one designed for the
     # best estimate of the coefficients, with its first tuning, and one with the drawn coefficients.
+    check_count("samples", samples)
     if samples * len(y) * len(u) > MOST_TRIALS:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")

@@ -136,6 +136,8 @@ class BridgeMonitor:
         late = self.publisher.late
         different = other_draft_or_depth(self.model, self.waterway, estimate, messages) if estimate.ready else {}
         conditions = self._cautions.conditions(messages, estimate, different)
+        if not estimate.ready:  # No estimate is no agreement: the alert stays as it was.
+            del conditions[SHIP_OR_WATER]
         conditions[LOG_LATE] = Condition(Priority.CAUTION, late) if late else CALM
         early = messages.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
