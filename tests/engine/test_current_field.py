@@ -157,6 +157,7 @@ def test_files_and_words_have_the_field(tmp_path: Path, cli: Any) -> None:
     whole = cli(*words)[1]
     assert whole != cli(*words, "--current-across", "0.1m/s")[1] != cli(*words, "--current-shear", "0:0,900:0.002")[1]
     assert "goes with --waterway" in cli("simulate", "estimated_kcs", "--current-shear", "0.1")[2]
+    assert "give 0.002, or 0:0.001,900:0, without a unit" in cli(*words, "--current-shear", "1kn")[2]
 
 
 @pytest.mark.parametrize("wrong", [np.array([0.5, 1.0]), "1", [[0, 1], [0, 2]], np.nan, 1e6])

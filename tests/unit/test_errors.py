@@ -54,6 +54,25 @@ def test_table(case: str, table: pd.DataFrame, ship_file: Path, tmp_path: Path, 
     assert not model.exists()
 
 
+def test_a_small_heading_in_degrees_is_no_motion_along_the_canal() -> None:
+    tests = nw.twin(runs=(nw.HarmonicRun("A", "yaw", 0.05, 16.0, 1.0, 2),))
+    frame = tests.to_dataframe()
+    with pytest.raises(nw.InputError, match="'psi' looks like deg"):
+        nw.read_captive(frame.assign(psi=np.degrees(frame["psi"])), tests.configuration)
+    with pytest.raises(nw.InputError, match="u and v are along and across the canal"):
+        nw.read_captive(frame.assign(v=np.gradient(frame["y"], frame["t"])), tests.configuration)
+
+
+def test_what_terms_of_a_propeller_lack_is_named_as_in_the_ship_file() -> None:
+    """Without numbers that have a default, such as wake_rate."""
+    words = (
+        r"add mass .* missing too: \[ship\] x_g, inertia; \[propeller\] wake, revolutions, diameter, thrust_0, thrust_1"
+    )
+    with pytest.raises(nw.InputError, match=words) as error:
+        nw.identify(nw.twin(runs=(nw.HarmonicRun("A", "yaw", 0.3, 16.0, 1.0, 1),)), "mmg")
+    assert "wake_rate" not in str(error.value)
+
+
 SHIPS = {
     "wider than the canal": (DTC_SHIP.replace("0.572", "8.0"), ["beam = 8.0 m", "width = 7.0 m"]),
     "misspelt key": (DTC_SHIP.replace("draft", "drafft"), ["'drafft'", "did you mean 'draft'"]),

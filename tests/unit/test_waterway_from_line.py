@@ -96,7 +96,9 @@ def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -
         ((), "--line axis.geojson --width 300 --depth 16"),
         (("--line", "line.geojson", "--width", "300"), "--depth 16"),
         (("--line", "line.geojson", "--width", "-3", "--depth", "16"), "give metres over 0"),
-        (("canal.geojson", "--width", "300"), "at most one of [FILE], --width"),
+        (("canal.geojson", "--width", "300"), "at most one of FILE, --width"),
+        (("--line", "line.geojson", "--width", "300", "--depth", "16", "--reach", "9"), "--reach goes with FILE"),
+        (("canal.geojson", "--reach", "9"), "--reach is for a chart or an area along --line"),
     ],
 )
 def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tmp_path, cli, monkeypatch) -> None:
@@ -105,6 +107,13 @@ def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tm
     code, out, err = cli("waterway", *words)
     assert (code, out) == (2, "")
     assert remedy in err
+
+
+def test_places_of_a_long_waterway_are_printed_in_metres(tmp_path: Path, cli) -> None:
+    line = saved(tmp_path / "long.geojson", ("LineString", [[4.3, 51.3], [4.5, 51.3], [4.7, 51.302]], {}))
+    _, out, _ = cli("waterway", "--line", line, "--width", 300, "--depth", 16)
+    assert "27899.5" in out
+    assert "27900 m long" in out
 
 
 @pytest.mark.parametrize("name", ["canal.geojson", "my lines/axis.geojson"])

@@ -4,7 +4,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Container, Iterable, Mapping
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
 
@@ -47,8 +47,20 @@ def check_given(asked: Iterable[str], values: Container[str], headers: Headers, 
     column = {word: actuator.name for actuator in movers for word in actuator.controls}
     column |= {"cos_psi": "psi", "sin_psi": "psi"}
     first, *more = dict.fromkeys(column.get(name, name) for name in missing)
-    others = f"; missing too: {', '.join(more)}" if more else ""
-    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{others}")
+    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{_others(more, movers)}")
+
+
+def _others(names: Iterable[str], movers: Iterable[Actuator]) -> str:
+    """Name what else is missing, as the ship file has it; what has a default need not be given."""
+    parts = [part for mover in movers for part in mover.parts]
+    usual = {part.known_as(one.name) for part in parts for one in fields(part) if one.default is not MISSING}
+    places, found = _places(movers), dict[str, list[str]]()
+    for name in names:
+        section, _, key = places.get(name, f"column {name}").partition(" ")
+        if name not in usual:
+            found.setdefault(section, []).append(key)
+    more = "; ".join(f"{section} {', '.join(keys)}" for section, keys in found.items())
+    return f"; missing too: {more}" if more else ""
 
 
 def _places(movers: Iterable[Actuator]) -> dict[str, str]:

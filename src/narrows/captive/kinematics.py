@@ -74,8 +74,8 @@ def check_axes(motions: MotionColumns, table: str) -> None:
     if not {"t", "y", "psi", "u", "v"} <= columns.keys():
         return
     u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions, {})
-    known = lapses > 0
-    if not known.any():
+    known, turning = lapses > 0, kinematic_consistency(motions).get("psi")
+    if not known.any() or (turning and turning.apart.any()):  # A heading in degrees, which check_kinematics refuses
         return
     own, canal = (
         float(np.std((np.diff(columns["y"]) - 0.5 * (rate[1:] + rate[:-1]) * lapses)[known]))

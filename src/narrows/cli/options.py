@@ -116,15 +116,17 @@ class Together(NamedTuple):
     apart: tuple[str, ...] = ()  # At most one of these is given
 
     def check(self, context: click.Context) -> None:
-        words = {str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context)
-                 for own in context.command.params}  # fmt: skip
+        words = {
+            str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context).strip("[].")
+            for own in context.command.params
+        }
         given = {
             name for name in words if context.params.get(name) is not None
             and context.get_parameter_source(name) is ParameterSource.COMMANDLINE
         }  # fmt: skip
         for names, others in self.needs.items():
-            for name in given.intersection(names.split()):
-                if not given.intersection(others.split()):
+            for name in names.split():
+                if name in given and not given.intersection(others.split()):
                     needed = " or ".join(words[other] for other in others.split())
                     raise InputError(f"{words[name]} goes with {needed}; add it, or leave {words[name]} out")
         for names in (*self.one, *self.apart):

@@ -1,7 +1,9 @@
 """``simulate``, ``map``, ``trials`` and ``waterway``, with their groups of options: start, helm, time, water."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -76,15 +78,22 @@ class PhysicsOptions:
     contact: ContactKind = "corners"
 
 
-def read_current(option: str, text: str) -> float | list[tuple[float, float]]:
+def read_current(
+    option: str, text: str, read: Callable[[str, str], float] = cli.speed
+) -> float | list[tuple[float, float]]:
     """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
     if ":" not in text:
-        return cli.speed(option, text)
+        return read(option, text)
     pairs = [pair.partition(":") for pair in text.split(",")]
-    return [(float(cli.numbers(option, place)[0]), cli.speed(option, number)) for place, _, number in pairs]
+    return [(_number(option, place), read(option, number)) for place, _, number in pairs]
+
+
+def _number(option: str, text: str) -> float:
+    return float(cli.numbers(option, text, "0.002, or 0:0.001,900:0, without a unit")[0])
 
 
 Current = Annotated[Any, read_current]
+Shear = Annotated[Any, partial(read_current, read=_number)]
 CurrentText = Annotated[Current, "Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s."]
 
 
@@ -95,7 +104,7 @@ class WaterOptions:
     level: Annotated[float | None, "Water level above that of the waterway's depths [m]."] = None
     current_across: Annotated[Current, "Current to starboard of the line, likewise."] = None
     current_shear: Annotated[
-        Current, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
+        Shear, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
     ] = None
 
     def read(self) -> "nw.Waterway | None":
@@ -263,7 +272,7 @@ REACH = 1000.0
 
 @cli.verb(
     "narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson",
-    needs={"reach": "line"}, apart=("file width",),
+    needs={"reach": "file"}, apart=("file width",),
 )  # fmt: skip
 def waterway(
     file: Annotated[
@@ -287,6 +296,8 @@ def waterway(
 
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
+    if line is None and reach != REACH:
+        raise InputError("--reach is for a chart or an area along --line; leave it out for banks that are drawn")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)

@@ -107,7 +107,7 @@ def continuity(u: Number, beam: Number, draft: Number, width: Number, depth: Num
 def deeper_end(block_coefficient: Number) -> Number:
     """Sinkage of the deeper end over the mean sinkage [1]: the bow of a full ship, the stern of a fine one.
 
-    Source: Barrass (2004), from memory, not verified; within 2 % of the measured mean of the KCS (``measured_squat``).
+    Source: Barrass (2004), from memory, not verified; within 2 % of the measured mean of the KCS (Lataire 2009).
     """
     return 1 / (1 - 20 * clip(block_coefficient - TRIMLESS, 0.15) ** 2)  # Limited to tested ships
 

@@ -231,7 +231,8 @@ def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, .
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
-    console.print(frame_table(_stations(waterway, draft).round(1)))
+    columns = {name: f"{{{name.split(' [')[0]}:.1f}}" for name in map(str, _stations(waterway, draft))}
+    console.print(table_of(columns, summary["stations"]))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])
 
