@@ -197,3 +197,10 @@ def test_a_spike_does_not_move_a_first_guess() -> None:
     guess = first_guess(grid_of(record, 1.0, {}), None)
     np.testing.assert_allclose(guess[:, 1], 0.0, atol=1e-9)
     assert guess.shape == (39, len(STATES))
+
+
+def test_a_record_within_a_meeting_is_refused() -> None:
+    t = np.arange(25.0)
+    record = nw.ShipRecord("a", {name: nw.Signal(t, one) for name, one in {"y": t, "meeting": np.ones(25)}.items()})
+    with pytest.raises(nw.InputError, match="record a consists of marked meetings"):
+        grid_of(record, 2.0, {})

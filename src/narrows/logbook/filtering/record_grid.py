@@ -166,6 +166,8 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: 
         for i in np.flatnonzero(np.diff(signal.t) > max(GAP * signal.step, step)):
             low, high = np.searchsorted(times, signal.t[i : i + 2])
             whole[max(low - 1, 0) : high] = False
+    if not whole.any():
+        raise InputError(f"record {record.name} consists of marked meetings and gaps of the rudder; leave it out")
     readings = {name: _readings(name, signal, times, whole) for name, signal in read.items()}
     if pilot and RUDDER in moved:
         at = np.flatnonzero(whole)
