@@ -204,7 +204,7 @@ def test_what_is_no_law_is_refused(what: str) -> None:
 
 
 def test_objects_of_python_steer_no_fleets() -> None:
-    with pytest.raises(nw.InputError, match="a Mimic steers single voyages; write it as a law in arithmetic"):
+    with pytest.raises(nw.InputError, match=r"a Mimic steers in nw\.simulate alone; write it as a law in arithmetic"):
         nw.ensemble(steered(), y=[0.1, 0.2], controller=Mimic(Integrator(), 0.02, 0.1))
 
 

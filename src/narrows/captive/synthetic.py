@@ -7,7 +7,7 @@ from itertools import accumulate
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, shown
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.tests import CaptiveTests
 from narrows.empirical.fleet import published
@@ -164,6 +164,8 @@ def twin(
     if not runs or not min(run.duration for run in runs) * rate >= 2:
         raise InputError("the runs hold fewer than two rows; give a run, or sample faster")
     truth = truth or published("mikkelsen2025_dtc")
+    if not isinstance(truth, Model):
+        raise InputError(f"truth = {shown(truth)} is no model; give the ship first, and runs by name: runs=[...]")
     draw = np.random.default_rng(seed)
     parts = [_measured(truth, run, noise, correlation_time, rate, draw) for run in runs]
     lengths = [len(part["t"]) for part in parts]

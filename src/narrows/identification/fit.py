@@ -185,8 +185,8 @@ class Fit(Prediction):
     def bootstrap(self, resamples: int = 10_000, seed: int = 0) -> Bootstrap:
         """Draw distinct motions with replacement, each with all its repeats, and fit under the constraints.
 
-        ``resamples`` is the number of draws, ``seed`` that of the generator. Raises an InputError where there are fewer
-        than 2 resamples.
+        ``resamples`` is the number of draws, and ``seed`` starts the generator. Raises an InputError where there are
+        fewer than 2 resamples.
         """
         return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 

@@ -61,7 +61,7 @@ class DataRange(Aliased):
         return "ahead alone" if covered == AHEAD else measures[name].describe(*covered)
 
     def outside(self, name: str, values: Number) -> Number:
-        """Return whether ``values`` lie outside the range called ``name``, each; False if the range is unknown."""
+        """Return whether each of the ``values`` lies outside the range ``name``; False if the range is unknown."""
         low, high = tolerated(range_of(self, name) or (-np.inf, np.inf))
         return np.logical_or(values < low, values > high)
 

@@ -155,7 +155,9 @@ def _resistance_by_line(
     if not terms:
         raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
     if not (is_finite(form_factor) and form_factor >= 0):
-        raise InputError(f"a form factor of {shown(form_factor)} is none; give k, 0.1 to 0.3 for most ships")
+        raise InputError(
+            f"a form factor of {shown(form_factor)} is not a number from 0; give k, 0.1 to 0.3 for most ships"
+        )
     name, old, frictions = terms[0], model.configuration, []
     speeds = model.data_range.speed or (USUAL_FROUDE * (GRAVITY * old.ship.length) ** 0.5,)
     for setting, viscosity in zip((old, configuration), VISCOSITIES, strict=True):

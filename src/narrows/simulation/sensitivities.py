@@ -56,7 +56,7 @@ class Sensitivities(BaseResult):
         return self.voyage.notes
 
     def of(self, state: str, by: str) -> np.ndarray:
-        """Return one derivative, (times,): of a ``state`` such as ``y``, ``by`` a quantity.
+        """Return the derivative of a ``state``, such as ``y``, by the quantity ``by``, (times,).
 
         Raises an InputError if it was not requested.
         """

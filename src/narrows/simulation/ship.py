@@ -133,7 +133,7 @@ def steering_of(controller: Any, actuators: Sequence[Actuated], single: bool = T
             )
         if not single:
             raise InputError(
-                f"a {type(controller).__name__} steers single voyages; write it as a law in arithmetic (with "
+                f"a {type(controller).__name__} steers in nw.simulate alone; write it as a law in arithmetic (with "
                 "`parameters`, `memory` and `orders`), such as a regulator"
             )
     parameters = dict(law.parameters())

@@ -66,7 +66,7 @@ class Voyage(Tabulated):
 
     t: np.ndarray  #: Time, (times,) [s]
     x: np.ndarray  #: Position of midship along the canal [m]
-    y: np.ndarray  #: Position of midship to starboard of its line [m]
+    y: np.ndarray  #: Position of midship to starboard of the centreline [m]
     psi: np.ndarray  #: Heading [rad]
     u: np.ndarray  #: Surge velocity through the water [m/s]
     v: np.ndarray  #: Sway velocity through the water [m/s]
@@ -129,7 +129,7 @@ class Voyage(Tabulated):
         return self.to_dataframe().iloc[-1]
 
     def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
-        """Show an animation of the ship between its banks, of some ``seconds``.
+        """Show an animation of the ship between its banks, which lasts ``seconds``.
 
         Write it to ``path``: a ``.gif``, or ``.html`` with buttons. In a notebook,
         ``HTML(voyage.animate().to_jshtml())`` shows it.

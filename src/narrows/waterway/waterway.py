@@ -59,7 +59,7 @@ class Waterway(BaseSummary):
     current: Profile = 0.0
     level: float = 0.0  #: Water level above the datum of the depths [m]
     name: str = "waterway"  #: Name
-    origin: tuple[float, float] | None = None  #: Longitude and latitude of east 0 [deg], north 0
+    origin: tuple[float, float] | None = None  #: Longitude and latitude [deg] of east 0, north 0
     #: Spacing of the nodes of the simulation's table [m], which is linear between them; default: a quarter of the
     #: ship's beam, which locates a contact within a hundredth of the beam
     step: float | None = None
