@@ -193,8 +193,8 @@ def test_sigterm_ends_a_watch_as_ctrl_c_does() -> None:
     ("words", "sentence"),
     [
         ((), "give exactly one of --listen, --replay, --score, --demo"),
-        (("--demo", "a.toml"), "give exactly one of [MODEL], --demo"),
-        (("--replay", "a.nmea"), "give exactly one of [MODEL], --demo"),
+        (("--demo", "a.toml"), "give exactly one of MODEL, --demo"),
+        (("--replay", "a.nmea"), "give exactly one of MODEL, --demo"),
         (("--demo", "--pace", "0"), "--pace 0 is no pace"),
         (("--demo", "--port", "9"), "--port goes with --page; add it"),
         (("--demo", "--send", "ws://"), "write it as in ws://192.168.1.20:3000"),

@@ -132,7 +132,8 @@ class Together(NamedTuple):
         for names in (*self.one, *self.apart):
             count, known = len(given.intersection(names.split())), ", ".join(words[name] for name in names.split())
             if count > 1 or (count == 0 and names in self.one):
-                raise InputError(f"give {'exactly' if names in self.one else 'at most'} one of {known}")
+                often = "exactly" if names in self.one else "at most"
+                raise InputError(f"give {often} one of {known}; see {context.command_path} --help")
 
 
 def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
