@@ -1,7 +1,7 @@
 """Errors that several runs share, each with a name, a unit and a usual size: the random effects of the mixed model."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import chain
 
 import numpy as np
@@ -108,13 +108,12 @@ class RunErrors(Aliased):
 def run_errors_of(written: str) -> RunErrors:
     """Read errors of runs, ``gain,zero,form`` and, if wished, ``scatter,hull,bank,campaign``."""
     try:
-        return RunErrors(*map(float, written.split(",")))
-    except InputError:
-        raise
-    except (TypeError, ValueError):
-        raise InputError(
-            f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02"
-        ) from None
+        sizes = [float(part) for part in written.split(",")]
+    except ValueError:
+        sizes = []
+    if not 3 <= len(sizes) <= len(fields(RunErrors)):
+        raise InputError(f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02")
+    return RunErrors(*sizes)
 
 
 # Name, column of one unit, usual size in that unit, group and unit of an error.
