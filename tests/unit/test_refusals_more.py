@@ -119,6 +119,6 @@ def test_an_explanation_says_how_the_models_own_terms_do() -> None:
 
 @pytest.mark.parametrize("written", ["0.02", "0.02,0.02", "a,b,c", "1,1,1,1,1,1,1,1"])
 def test_errors_of_runs_are_three_to_seven_numbers(written: str) -> None:
-    with pytest.raises(nw.InputError, match="give gain,zero,form as in 0.02,0.02,0.02"):
+    with pytest.raises(nw.InputError, match="give gain,zero,form as in"):
         run_errors_of(written)
     assert run_errors_of("0.01,0.02,0.03") == nw.RunErrors(gain=0.01, zero=0.02, form=0.03)
