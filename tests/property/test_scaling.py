@@ -220,7 +220,7 @@ def test_an_estimate_at_another_depth_names_the_command_that_estimates_it_anew(t
         (lambda m: nw.scale_model(m, 355.0, width=40.0), "does not fit"),
         (lambda m: nw.nondimensional(m, "prime3"), "choose prime1"),
         (lambda m: nw.nondimensional(m, "prime2"), "give a positive one"),
-        (lambda m: nw.scale_model(m, 355.0, form_factor=-0.1), "a form factor of -0.1 is none"),
+        (lambda m: nw.scale_model(m, 355.0, form_factor=-0.1), "a form factor of -0.1 is not a number from 0"),
         (lambda m: ittc57(1e3), "below the range"),
         (lambda m: nw.dimensional({"b_bnk": 1.0}, m, "bis"), "unknown coefficient"),
     ],
@@ -245,4 +245,4 @@ def test_scale_on_the_command_line(cli, tmp_path) -> None:
     assert (code, err) == (0, "")
     code, _, err = cli("scale", "estimated_kcs", "--length", 355, "--form-factor", -1)
     assert code == 2
-    assert "a form factor of -1.0 is none" in err
+    assert "a form factor of -1.0 is not a number from 0" in err

@@ -205,7 +205,7 @@ def test_files_and_mappings_are_read_alike(tmp_path: Path) -> None:
     ("change", "said"),
     [
         ({"rudder [deg]": None}, "there is no column 'rudder'"),
-        ({"drift [deg]": None}, "there is no column 'drift'"),
+        ({"drift [deg]": None}, "there is no column 'drift"),
         ({"u": [0.8, -0.8, 0.9]}, "u over 0"),
         ({"y": [0.5, -9.0, 0.3]}, "has the hull in the bank"),
         ({"rudder [deg]": None, "rudder": [5.0, -5.0, 4.0]}, "rudder \\[deg\\]"),
