@@ -32,6 +32,11 @@ def name_here(name: str, kind: str, fits: Callable[[str], bool] = lambda ours: T
     return next((ours for ours, theirs in aliases(kind).items() if name in theirs and fits(ours)), None)
 
 
+def names_of(kind: Any) -> set[str]:
+    """Return the attributes of a class, and its fields without a default."""
+    return {*dir(kind), *getattr(kind, "__dataclass_fields__", ())}
+
+
 def part_named(name: str, room: str, parts: Iterable[str]) -> Any:
     """Return a part of a subpackage by another library's name; raise if there is none."""
     import narrows
@@ -57,8 +62,7 @@ def _instead_of(name: str) -> str:
         return meant
     found = []
     for kind in () if name.startswith("_") else aliases("first"):
-        made = attrgetter(kind)(narrows)
-        parts = {*dir(made), *getattr(made, "__dataclass_fields__", ())}
+        parts = names_of(attrgetter(kind)(narrows))
         rows = [ours for ours, theirs in aliases("attributes").items() if name in theirs or f"{name}()" in theirs]
         if name in parts or any(re.split(r"[(.]", row)[0] in parts for row in rows):
             found.append(kind.rpartition(".")[2])
@@ -200,5 +204,4 @@ def _model_of(given: Any) -> Any:
         return narrows.load_model(given)
     if isinstance(given, narrows.Model):
         return given
-    known = {*dir(type(given)), *getattr(type(given), "__dataclass_fields__", ())}
-    return given.model if "model" in known else given
+    return given.model if "model" in names_of(type(given)) else given

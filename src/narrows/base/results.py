@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.base.aliases import accept_aliases, aliases, name_here, unit_of
+from narrows.base.aliases import accept_aliases, aliases, name_here, names_of, unit_of
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.files import FORMS, csv_of, forms_of, to_json, write, write_whole
 
@@ -64,10 +64,6 @@ def _names_in(formula: str) -> set[str]:
     return read - vars(builtins).keys()
 
 
-def _known(thing: Any) -> set[str]:
-    return {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
-
-
 def _value(thing: Any, name: str, attribute: str, *values: Any, **given: Any) -> Any:
     """Return an attribute that is a method elsewhere."""
     if values or given:
@@ -78,7 +74,7 @@ def _value(thing: Any, name: str, attribute: str, *values: Any, **given: Any) ->
 
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
-    known = {*_known(thing), *columns}
+    known = {*names_of(type(thing)), *columns}
     for row, theirs in aliases("attributes").items():
         # A voyage's ``outcome.time`` is an outcome's ``time``.
         ours, called = row.removeprefix(f"{type(thing).__name__.lower()}."), name + CALL in theirs
@@ -107,8 +103,14 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     ):
         return partial(function, thing)
     # A property that raised: its own error, not one of a missing name.
-    if name.startswith("_") or name in _known(thing):
+    if name.startswith("_") or name in names_of(type(thing)):
         return object.__getattribute__(thing, name)
+    raise AttributeError(_refusal(thing, name, columns), name=None, obj=None)
+
+
+def _refusal(thing: Any, name: str, columns: Collection[str]) -> str:
+    """Return why an object has no such name, and what to write instead."""
+    known = {*names_of(type(thing)), *columns}
     heads = {*known, "nw", type(thing).__name__.lower()}
     remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in heads)
     if not remedy and "plot" in name and "plot" in known:
@@ -121,10 +123,10 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
-    words = {*columns, *fields, *(it for kind in kinds for it in vars(kind))}
+    words = {*columns, *getattr(type(thing), "__dataclass_fields__", ()), *(it for kind in kinds for it in vars(kind))}
     shown = {word for word in words if word[0] != "_"}
     other = f"; write {remedy}" if remedy else did_you_mean(name, shown, cutoff=0.75)
-    raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
+    return f"{type(thing).__name__} has no {name!r}{why}{other}"
 
 
 class Answering(type):
@@ -141,7 +143,7 @@ class Aliased(metaclass=Answering):
     """An object that answers to the names of other libraries."""
 
     def __dir__(self) -> list[str]:
-        known, rows = _known(self), aliases("attributes").items()
+        known, rows = names_of(type(self)), aliases("attributes").items()
         theirs = (name.removesuffix(CALL) for ours, names in rows if _head(ours) in known for name in names)
         return sorted({*super().__dir__(), *theirs})
 

@@ -68,13 +68,13 @@ class MotionColumns(NamedTuple):
         return self._replace(columns={name: column[kept] for name, column in self.columns.items()}, starts=starts)
 
 
-def check_axes(motions: MotionColumns, table: str) -> None:
+def check_axes(motions: MotionColumns, agreements: Mapping[str, Agreement], table: str) -> None:
     """Raise if u and v are the velocities along and across the canal, not those in the axes of a ship that yaws."""
     columns = motions.columns
     if not {"t", "y", "psi", "u", "v"} <= columns.keys():
         return
     u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions, {})
-    known, turning = lapses > 0, kinematic_consistency(motions).get("psi")
+    known, turning = lapses > 0, agreements.get("psi")
     if not known.any() or (turning and turning.apart.any()):  # A heading in degrees, which check_kinematics refuses
         return
     own, canal = (
@@ -89,18 +89,20 @@ def check_axes(motions: MotionColumns, table: str) -> None:
 
 
 def check_kinematics(
-    motions: MotionColumns, names: Iterable[str], by_name: Mapping[str, Column], table: str
-) -> tuple[str, ...]:
+    motions: MotionColumns, agreements: Mapping[str, Agreement], names: Iterable[str], by_name: Mapping[str, Column],
+    table: str,
+) -> tuple[str, ...]:  # fmt: skip
     """Raise if a column has the wrong sign or unit; return other disagreements."""
-    agreements = kinematic_consistency(motions)
     wrong = sum((agreement.apart for agreement in agreements.values()), np.zeros(1, bool)) > 0
     if not wrong.any():
         return ()
     sentence = _disagreement(agreements, [name for name, bad in zip(names, wrong, strict=True) if bad])
-    for some in (motions, motions.only(wrong)):
-        agreement = kinematic_consistency(some)
-        if causes := _turned_round(some, agreement, by_name) or _in_another_unit(some, agreement, by_name):
-            raise InputError(f"{table}: {sentence}; {causes}")
+    causes = _causes(motions, agreements, by_name)
+    if not causes:
+        worst = motions.only(wrong)
+        causes = _causes(worst, kinematic_consistency(worst), by_name)
+    if causes:
+        raise InputError(f"{table}: {sentence}; {causes}")
     return (f"{sentence[0].upper()}{sentence[1:]}: check these columns.",)
 
 
@@ -197,6 +199,10 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
             )
     others = f" and {len(tests) - 1} more" if len(tests) > 1 else ""
     return f"in test {tests[0]}{others}, {' and '.join(parts)}"
+
+
+def _causes(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
+    return _turned_round(motions, agreements, by_name) or _in_another_unit(motions, agreements, by_name)
 
 
 def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:

@@ -12,7 +12,7 @@ import pandas as pd
 from narrows.base.errors import InputError, near_miss, reason, shown
 from narrows.captive import check, formats, settings
 from narrows.captive.columns import COLUMNS, begun, columns_with, renamed
-from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics
+from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics, kinematic_consistency
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.model.sections import Source
 from narrows.quantities.names import Quantity
@@ -127,9 +127,10 @@ def _check_plausible(found: check.CheckedColumns, test: np.ndarray) -> tuple[str
     order, names, starts = _grouped(test)
     in_order = {name: column[order] for name, column in found.columns.items()}
     motions = MotionColumns(in_order, starts, configuration.ship.length)
-    check_axes(motions, table)
+    agreements = kinematic_consistency(motions)
+    check_axes(motions, agreements, table)
     check.check_drift(found)
-    return notes + check_kinematics(motions, names, found.by_name, table)
+    return notes + check_kinematics(motions, agreements, names, found.by_name, table)
 
 
 def with_accelerations(rows: Rows) -> Rows:

@@ -10,6 +10,7 @@ from narrows.base.errors import InputError
 from narrows.cli.options import Argument, DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
 from narrows.cli.voyages import CurrentText
 from narrows.empirical.fleet import model_named
+from narrows.safety.settings import SAMPLES
 
 # Number of places of ``--along all``.
 ALONG_PLACES = 11
@@ -89,7 +90,7 @@ class CaseOptions:
     reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3
     keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None
     most_revolutions: Annotated[float | None, "Limit of the engine [1/s], for a propeller."] = None
-    samples: Annotated[int, "Number of samples."] = 800  # As SAMPLES of narrows.safety, which is slow to load
+    samples: Annotated[int, "Number of samples."] = SAMPLES
     seed: Annotated[int, "Seed of the samples."] = 0
 
 

@@ -65,7 +65,7 @@ class AlertOptions:
 @dataclass(frozen=True)
 class PageOptions:
     page: Annotated[bool, "Show it in a browser too: prints the address."] = False
-    port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = 8765
+    port: Annotated[int, Option(help="With --page: its port.", type=click.IntRange(0, 65_535))] = 8765
     host: Annotated[str, "With --page: network address; default: this machine alone; 0.0.0.0 for all."] = "127.0.0.1"
 
 

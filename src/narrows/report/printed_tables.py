@@ -210,28 +210,29 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
     ]  # fmt: skip
     return {
         "name": waterway.name, "length": length, **extremes,
-        "stations": _stations(waterway, draft).rename(columns=lambda name: name.split(" [")[0]).to_dict("records"),
+        "stations": _stations(waterway, draft),
         "summary": words,
         "notes": [*notes, *(NO_DEPTH,) * (waterway.depths is None), *more],
     }  # fmt: skip
 
 
-def _stations(waterway: "Waterway", draft: float) -> "pd.DataFrame":
-    import pandas as pd
+# Columns of the stations along a waterway, with their units.
+STATION_UNITS = {"at": "m", "heading": "deg", "starboard": "m", "port": "m", "width": "m", "depth": "m"}
 
+
+def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
     s = np.linspace(0, waterway.line.length, STATIONS_SHOWN)
     here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
-    return pd.DataFrame({
-        "at [m]": s, "heading [deg]": heading, "starboard [m]": here.width / 2 + here.middle,
-        "port [m]": here.width / 2 - here.middle, "width [m]": here.width, "depth [m]": here.depth,
-    })  # fmt: skip
+    sides = here.width / 2 + here.middle, here.width / 2 - here.middle
+    columns = np.broadcast_arrays(s, heading, *sides, here.width, here.depth)
+    return [dict(zip(STATION_UNITS, row, strict=True)) for row in np.transpose(columns).tolist()]
 
 
 def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
-    columns = {name: f"{{{name.split(' [')[0]}:.1f}}" for name in map(str, _stations(waterway, draft))}
+    columns = {f"{name} [{unit}]": f"{{{name}:.1f}}" for name, unit in STATION_UNITS.items()}
     console.print(table_of(columns, summary["stations"]))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])

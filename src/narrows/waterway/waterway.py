@@ -155,7 +155,7 @@ class Waterway(BaseSummary):
         there, sharpest, s = self.section(self._stations), self.sharpest_bend, self._stations
         length = self.line.length
         parts = [
-            f"{length:{'.4g' if length < 1e4 else '.0f'}} m long", f"{extent(there.width)} m wide",
+            f"{length:{'.4g' if length < 1e3 else '.0f'}} m long", f"{extent(there.width)} m wide",
             "without a depth" if np.isnan(there.depth).all() else f"{extent(there.depth)} m deep",
             "straight" if sharpest is None else
             "sharpest bend of {0:.3g} m radius over {2:.3g} m at {1:.0f} m".format(*sharpest),
