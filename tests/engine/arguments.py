@@ -201,7 +201,7 @@ class Table:
         voyage = {
             "model": steered(), "y": 0.6, "u": 1.1, "duration": 5.0, "dt": 0.5, **STATE, **FORCES, **CHOICES,
             "rudder": under(0.1, model=steered()), "at": [1.0, 2.0], "waterway": under(waterway_for("paper"), x=3.0),
-            "controller": under(law, model=steered()),
+            "controller": under(law, model=steered()), "hold": under(0.2, model=steered()),
         }  # fmt: skip
         run = {
             "model": steered(), "duration": 5.0, "dt": 0.5, "samples": under(3, model=uncertain()),

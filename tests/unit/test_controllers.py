@@ -210,7 +210,7 @@ def test_objects_of_python_steer_no_fleets() -> None:
 
 def test_a_hull_without_a_rudder_takes_no_orders(dtc: nw.Model) -> None:
     for sail in (nw.simulate, nw.ensemble):
-        with pytest.raises(nw.InputError, match="has nothing to steer with"):
+        with pytest.raises(nw.InputError, match="borrow_rudder adds a rudder"):
             sail(dtc, y=0.1, controller=nw.ConstantRudder(0.1))
 
 

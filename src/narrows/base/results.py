@@ -7,6 +7,7 @@ import re
 from collections.abc import Collection, Iterator
 from functools import cache, partial
 from html import escape
+from importlib import import_module
 from inspect import CO_VARKEYWORDS, isfunction, signature
 from operator import attrgetter
 from pathlib import Path
@@ -54,7 +55,7 @@ def _head(path: str) -> str:
     return re.split(r"[(.]", path)[0]
 
 
-_FORMULA_SCOPE = {"np": np, "nw": narrows}
+_LIBRARIES = {"np": "numpy", "nw": "narrows", "pd": "pandas"}
 
 
 @cache
@@ -64,17 +65,23 @@ def _names_in(formula: str) -> set[str]:
     return read - vars(builtins).keys()
 
 
-def _value(thing: Any, name: str, attribute: str, *values: Any, **given: Any) -> Any:
-    """Return an attribute that is a method elsewhere."""
+def _value(value: Any, name: str, *values: Any, **given: Any) -> Any:
+    """Return the value of an attribute that is a method elsewhere."""
     if values or given:
         why = name_here(name, "why")
-        raise InputError(f"{name} takes no arguments here{f': {why}' if why else ''}; write {attribute}")
-    return attrgetter(attribute)(thing)
+        raise InputError(f"{name} takes no arguments here{f': {why}' if why else ''}; write {name}()")
+    return value
 
 
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
     known = {*names_of(type(thing)), *columns}
+    # A formula in the object's own attributes, such as ``abs(r).max()``.
+    for row, theirs in aliases("formulas").items():
+        if {name, name + CALL} & {*theirs} and (used := _names_in(row)) <= {*known, *_LIBRARIES}:
+            scope = {short: import_module(_LIBRARIES[short]) for short in used & _LIBRARIES.keys()}
+            value = eval(row, scope | {ours: getattr(thing, ours) for ours in used & known})
+            return value if name in theirs else partial(_value, value, name)
     for row, theirs in aliases("attributes").items():
         # A voyage's ``outcome.time`` is an outcome's ``time``.
         ours, called = row.removeprefix(f"{type(thing).__name__.lower()}."), name + CALL in theirs
@@ -83,10 +90,7 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
             value = attrgetter(attribute)(thing)
             if called == ours.endswith(CALL):
                 return value
-            return partial(_value, thing, name, attribute) if called else value()
-    # A formula in the object's own attributes, such as ``abs(r).max()``.
-    if formula := name_here(name, "formulas", lambda row: _names_in(row) <= {*known, *_FORMULA_SCOPE}):
-        return eval(formula, _FORMULA_SCOPE | {ours: getattr(thing, ours) for ours in _names_in(formula) & known})
+            return partial(_value, value, name) if called else value()
     fields = getattr(type(thing), "__dataclass_fields__", ())
     if field := name_here(name, "arguments", fields.__contains__):
         return getattr(thing, field)
@@ -143,8 +147,10 @@ class Aliased(metaclass=Answering):
     """An object that answers to the names of other libraries."""
 
     def __dir__(self) -> list[str]:
-        known, rows = names_of(type(self)), aliases("attributes").items()
-        theirs = (name.removesuffix(CALL) for ours, names in rows if _head(ours) in known for name in names)
+        known, libraries = names_of(type(self)), _LIBRARIES.keys()
+        rows = [names for ours, names in aliases("attributes").items() if _head(ours) in known]
+        rows += [names for formula, names in aliases("formulas").items() if _names_in(formula) <= known | libraries]
+        theirs = (name.removesuffix(CALL) for names in rows for name in names)
         return sorted({*super().__dir__(), *theirs})
 
     if not TYPE_CHECKING:  # Type checkers see the real attributes only
@@ -199,7 +205,7 @@ class BaseSummary(Aliased):
     """
 
     def summary(self) -> str:
-        """Describe it in words, its main result first."""
+        """Describe it in words, its main result first, then its table after an empty line."""
         raise NotImplementedError
 
     def __repr__(self) -> str:
@@ -216,7 +222,7 @@ class BaseSummary(Aliased):
 
     def _repr_html_(self) -> str:
         said: Any = self
-        lines = "<br>".join(escape(line) for line in said.summary().splitlines())
+        lines = "<br>".join(escape(line) for line in said.summary().partition("\n\n")[0].splitlines())
         notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
         table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
         return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")

@@ -230,7 +230,7 @@ class Fit(Prediction):
         ]
         doubts = [verdict.sentence(name) for name, verdict in self.verdicts.items() if verdict.status != IDENTIFIED]
         title = f"{len(self.terms.names)} coefficients of the terms {self.terms.name} on {self._size}."
-        return "\n".join([title, *self.implausible, *scores, *doubts])
+        return "\n".join([title, *self.implausible, *scores, *doubts, "", self.to_dataframe().to_string()])
 
     def to_dict(self) -> dict[str, Any]:
         return {

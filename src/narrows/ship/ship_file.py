@@ -10,7 +10,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, path_of, shown
 from narrows.base.files import reading
 from narrows.ship.actuators import STANDARD, Actuator, Part
-from narrows.ship.particulars import Canal, Configuration, Ship, Water
+from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Water
 
 # Sections of every configuration; defaults are used if they are absent.
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
@@ -18,13 +18,13 @@ NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
 # Least ship file, for messages.
 LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], each on its own line"
-# A ship file, its sections as mappings, or its configuration.
-ShipSource = str | Path | Configuration | Mapping[str, Any]
+# A ship file or model file, its sections as mappings, its configuration, or a model or tests with one.
+ShipSource = str | Path | Configuration | Configured | Mapping[str, Any]
 
 
 def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configuration:
-    if isinstance(source, Configuration):
-        return source
+    if isinstance(source, Configuration | Configured):
+        return source if isinstance(source, Configuration) else source.configuration
     if isinstance(source, Mapping):
         return configuration_from(source, "ship", actuators)
     if isinstance(source, Ship):
@@ -76,8 +76,8 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file."""
     sections = actuator_sections(actuators)
     known = {*NEEDED, *sections, "depths"}
-    if "coefficients" in tables:
-        raise InputError(f"{file}: this is a model file; put its [ship], [canal] and [water] into a ship file")
+    if "coefficients" in tables:  # A model file, which has the sections of its ship
+        tables = {name: tables[name] for name in known & tables.keys()}
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"{file}: unknown section [{name}]{did_you_mean(name, known)}")

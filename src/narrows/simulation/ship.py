@@ -129,7 +129,7 @@ def steering_of(controller: Any, actuators: Sequence[Actuated], single: bool = T
         if not isinstance(controller, Controller) and (not callable(controller) or isinstance(controller, type)):
             raise InputError(
                 f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) "
-                "nor `begin`, and is no function of time and state"
+                "nor `begin`, and is no function of time and state; nw.control.regulator(model, y, u) is one"
             )
         if not single:
             raise InputError(
@@ -158,8 +158,8 @@ def _law(
         orders, memory = controller.orders(at)
         for name in orders:
             if name not in known:
-                has = f"it has {', '.join(known)}" if known else "it has nothing to steer with"
-                raise InputError(f"{what} gives orders to {name}, for which this model has no terms: {has}; add them")
+                has = f"it has {', '.join(known)}; add them" if known else "nw.borrow_rudder adds a rudder"
+                raise InputError(f"{what} gives orders to {name}, for which this model has no terms: {has}")
         if set(memory) != set(kept):
             raise InputError(
                 f"{what} keeps {sorted(memory)} and began with {sorted(kept)}; return the same memory each step"

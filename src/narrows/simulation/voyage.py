@@ -176,7 +176,8 @@ def simulate(
     X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None, controller: Any = None, bottom: bool = True, **positions: float,
+    waterway: "Waterway | None" = None, controller: Any = None, hold: float | None = None, bottom: bool = True,
+    **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -228,6 +229,8 @@ def simulate(
         v through the water; the voyage ends at its end.
     controller : ControlLaw or Controller, optional
         Gives orders each step; the model's steering gear follows them.
+    hold : float [m], optional
+        Offset that the default helm, ``control.regulator``, holds.
     bottom : bool
         End the voyage if the ship touches the bottom by its squat, or chokes the section; ignored at unknown depth.
     **positions : float
@@ -250,6 +253,10 @@ def simulate(
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_angles(numbers)
     check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
+    if hold is not None:
+        if controller is not None:
+            raise InputError("hold is the line of the default helm; leave it or the controller out")
+        controller = narrows.control.regulator(model, hold, u, waterway=waterway, at=x if waterway else 0.0)
     steering = steering_of(controller, ship.actuators)
     integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows = [Row(0.0, start)]
