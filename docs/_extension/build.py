@@ -15,6 +15,7 @@ def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("builder-inited", lambda app: pictures.draw_all(app.srcdir, not app.tags.has("unrun")), priority=400)
     app.connect("builder-inited", lambda app: exports.write_all(app.srcdir, not app.tags.has("unrun")), priority=400)
     app.connect("autodoc-process-docstring", rooms.keep_constant, priority=400)
+    app.connect("autodoc-process-docstring", rooms.describe_numbers, priority=400)
     app.connect("autodoc-process-docstring", rooms.restore_constant, priority=600)
     app.connect("autodoc-skip-member", rooms.of_others)
     app.connect("builder-inited", offline.bring_mathjax)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import narrows
+from narrows.ship.actuators import Part
 
 _SAID: dict[str, list[str]] = {}
 ROOT = Path(__file__).parents[2]
@@ -51,6 +52,14 @@ def restore_constant(app: Any, kind: str, name: str, thing: Any, options: Any, l
     """Say of a constant what its docstring says."""
     if name in _SAID:
         lines[:] = _SAID.pop(name)
+
+
+def describe_numbers(app: Any, kind: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """List the numbers of a section of a ship file, which describes them where it defines them."""
+    if kind == "class" and issubclass(thing, Part) and thing is not Part:
+        lines += ["Parameters", "----------"]
+        for number, quantity in thing.numbers().items():
+            lines += [f"{number} : float [{quantity.unit}]", f"    {quantity.meaning}"]
 
 
 def rooms() -> list[str]:

@@ -251,7 +251,7 @@ def test_it_drives_the_ship(tug: nw.Model) -> None:
     [
         (lambda: Actuator("u", "1/s", "x"), "cannot be called 'u'"),
         (lambda: Actuator("bow thruster", "1/s", "x"), "give it a plain word"),
-        (lambda: Actuator("fin", "degrees", "x"), "'degrees' is no unit"),
+        (lambda: Actuator("fin", "furlongs", "x"), "'furlongs' is no unit"),
         (lambda: Actuator("fin", "rad", "x", parts=(BowThruster,)), r"section \[trial_jet\] is of 'trial_jet'"),
         (lambda: replace(nw.published("mikkelsen2025_dtc").configuration, others=(SECTION, SECTION)), "given twice"),
         (

@@ -47,7 +47,10 @@ def at_fields(thing: Any) -> dict[str, str]:
     kinds = reversed(thing.__mro__) if inspect.isclass(thing) else ()
     source = "".join(inspect.getsource(kind) for kind in kinds if kind.__module__.startswith("narrows"))
     found = re.findall(r"((?:^    #: .*\n)*)^    (\w+): [^#\n]*(?:#: (.*))?$", source, re.MULTILINE)
-    return {name: before or behind for before, name, behind in found if before or behind}
+    # A section of a ship file describes its numbers where it defines them.
+    numbers = re.findall(r'^    (\w+): \w+ = number_in\("(.*?)", "(.*?)"', source, re.MULTILINE)
+    in_words = {name: before or behind for before, name, behind in found if before or behind}
+    return in_words | {name: f"[{unit}] {meaning}" for name, unit, meaning in numbers}
 
 
 def documented(thing: Any) -> dict[str, str]:

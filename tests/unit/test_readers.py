@@ -10,8 +10,8 @@ import pytest
 from scipy.io import savemat
 
 import narrows as nw
+from narrows.quantities import dimensions
 from narrows.quantities.names import MOTION
-from narrows.readers import headers
 from narrows.readers.headers import parse_header
 from tables import frame_of, written
 
@@ -133,16 +133,16 @@ def test_units_are_those_of_pint() -> None:
     import pint
 
     registry = pint.UnitRegistry()
-    prefixed = [prefix + names.split()[0] for prefix in headers.PREFIXES for names in headers.PREFIXED]
+    prefixed = [prefix + names.split()[0] for prefix in dimensions.PREFIXES for names in dimensions.PREFIXED]
     words = ["kilometre", "centimeter", "millimetre", "millisecond", "kilogram", "kilonewton", "kilowatt"]
     plurals = [
         f"{word}s"
-        for word in [*words, *headers.UNITS]
+        for word in [*words, *dimensions.UNITS]
         if len(word) > 3 and word not in ("feet", "inches", "dimensionless", *PINT)
     ]
-    for word in [*headers.BASES, *headers.UNITS, *prefixed, *words, *plurals]:
+    for word in [*dimensions.BASES, *dimensions.UNITS, *prefixed, *words, *plurals]:
         one = (1 * registry(PINT.get(word, word))).to_base_units()
-        scale, powers = headers.unit_named(word)
+        scale, powers = dimensions.unit_named(word)
         assert scale == pytest.approx(one.magnitude, rel=1e-12), word
         assert powers == tuple(one.dimensionality.get(name, 0) for name in DIMENSIONS), word
 
@@ -157,7 +157,7 @@ DEFINED = {
 
 @pytest.mark.parametrize("word", DEFINED)
 def test_units_are_as_they_are_defined(word: str) -> None:
-    assert headers.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
+    assert dimensions.unit_named(word).scale == pytest.approx(DEFINED[word], rel=1e-12)
 
 
 COMPOUNDS = {
@@ -170,13 +170,13 @@ COMPOUNDS = {
 
 @pytest.mark.parametrize("text", COMPOUNDS)
 def test_products_and_powers_of_units(text: str) -> None:
-    scale, powers = headers.unit_named(text)
+    scale, powers = dimensions.unit_named(text)
     assert (scale, powers) == (pytest.approx(COMPOUNDS[text][0], rel=1e-14), COMPOUNDS[text][1])
 
 
 @pytest.mark.parametrize("text", ["", "-", "m//s", "1e999", "0", "m^", "^2", "*m", "n/a", "furlong/fortnight"])
 def test_what_is_no_unit_or_a_rare_one(text: str) -> None:
-    assert headers.unit_named(text) is None
+    assert dimensions.unit_named(text) is None
 
 
 def test_a_rare_unit_is_refused() -> None:

@@ -64,13 +64,15 @@ def _is_output(path: str | Path) -> bool:
 
 @contextmanager
 def reading(path: str | Path, kind: str) -> Iterator[None]:
-    """Turn any error of a format's reader into one sentence."""
+    """Turn any error of a format's reader into one sentence with the file."""
     try:
         yield
-    except InputError:
-        raise
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
     except OSError as error:
-        raise InputError(f"{path}: cannot be read ({reason(error)}); check the path") from None
+        missing = isinstance(error, FileNotFoundError)
+        found = "there is no such file" if missing else f"cannot be read ({reason(error)})"
+        raise InputError(f"{path}: {found}; check the path") from None
     except Exception as error:  # Readers raise many kinds of errors on files of another format
         raise InputError(f"{path}: is not {kind} ({reason(error)}); mend it, or give another file") from None
 

@@ -13,9 +13,10 @@ import pandas as pd
 
 from narrows.base.errors import InputError, near_miss
 from narrows.captive.tests import LABELS, Headers
+from narrows.quantities.dimensions import is_unit
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
 from narrows.readers.cells import floats
-from narrows.readers.headers import is_unit, parse_header
+from narrows.readers.headers import Vocabulary, quantity_of
 from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.particulars import Canal, Ship, Water
@@ -118,35 +119,23 @@ def _meanings(section: str) -> dict[str, str]:
 
 def renamed(frame: pd.DataFrame, known: Mapping[str, Quantity], table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return a table whose headers of other words are the documented ones, and what was taken for what."""
-    headers = [str(header) for header in frame.columns]
-    present = {name for header in headers if (name := _documented(header, known))}
+    documented = {str(header): quantity_of(str(header), Vocabulary(known, LABELS)) for header in frame.columns}
     new: dict[str, str] = {}
-    for header in headers:
+    for header in documented:
         name, unit = meant(header)
-        if not name or name in present or _documented(header, known):
+        if not name or documented[header] or name in documented.values():
             continue
-        first = next((old for old, other in new.items() if other.partition(" ")[0] == name), "")
-        if first:
+        if first := next((old for old, other in new.items() if other.partition(" ")[0] == name), ""):
             raise InputError(f"{table}: {first!r} and {header!r} may both be {name}; head the right one {name!r}")
         new[header] = f"{name} [{unit}]" if unit and name not in LABELS else name
     if not new:
         return frame, ()
-    turns = "r" in present or any(name.partition(" ")[0] == "r" for name in new.values())
+    turns = "r" in {*documented.values(), *(name.partition(" ")[0] for name in new.values())}
     for header, name in new.items():
         if (name == "rudder" or (name == "psi" and not turns)) and np.any(floats(frame[header]) != 0):
             raise InputError(f"{table}: column {header!r} has no unit; head it '{name} [deg]' or '{name} [rad]'")
     said = "; ".join(f"{other} is {header!r}" for header, other in new.items())
     return frame.rename(columns=new), (f"by their headers: {said}",)
-
-
-def _documented(header: str, known: Mapping[str, Quantity]) -> str:
-    if header in LABELS:
-        return header
-    try:
-        column = parse_header(header, known)
-    except InputError:  # An unknown unit: its reader raises.
-        return header
-    return column.quantity if column else ""
 
 
 def meant(header: str) -> tuple[str, str]:

@@ -14,9 +14,10 @@ from narrows.captive import settings
 from narrows.captive.columns import COLUMNS, begun, meant
 from narrows.captive.kinematics import RATES, rates_of
 from narrows.captive.tests import LABELS
+from narrows.quantities.dimensions import unit_named
 from narrows.quantities.names import FORCES
 from narrows.readers.cells import floats
-from narrows.readers.headers import parse_header, unit_named, unit_of
+from narrows.readers.headers import parse_header, split_header
 from narrows.readers.mapping import COUNTED, WAYS
 
 _quoted = partial(json.dumps, ensure_ascii=False)
@@ -54,7 +55,7 @@ class Draft:
             "confirmed = false",
         ]
         columns = [(name, entry.header, entry) for name, entry in self.entries.items()]
-        units = [(name, entry.unit, entry) for name, _, entry in columns if entry.unit != unit_of(entry.header)]
+        units = [(name, entry.unit, entry) for name, _, entry in columns if entry.unit != split_header(entry.header)[1]]
         ways = [(name, entry.way, entry) for name, _, entry in columns if entry.way]
         for section, rows in {"columns": columns, "units": units, "positive": ways}.items():
             lines += ["", f"[{section}]"] if rows else []
@@ -71,7 +72,7 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
     """Return a draft of the columns of a table of tests."""
     draft = Draft(unread=[str(header) for header in frame.columns])
     for header in list(draft.unread):
-        unit = unit_of(header)
+        unit = split_header(header)[1]
         known = parse_header(header, COLUMNS) if not unit or unit_named(unit) is not None else None
         if known:
             draft.columns[known.quantity] = floats(frame[header]) * known.scale
@@ -159,7 +160,7 @@ def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]
 
 
 def _unit_of(header: str) -> str:
-    return unit if (unit := unit_of(header)) and unit_named(unit) else ""
+    return unit if (unit := split_header(header)[1]) and unit_named(unit) else ""
 
 
 def _scale(name: str, unit: str) -> float:

@@ -204,8 +204,6 @@ def stream_captive(
         A laboratory's own names, units and signs, as in ``read_captive``.
     """
     path = path_of("path", path)
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file; check the path")
     movers = tuple(actuators)
     configuration = ship_from(ship, movers)
     source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)

@@ -1,24 +1,22 @@
 """Rows of a table in the documented columns: screened for markers and spikes, checked, in SI, sorted by test."""
 
 import math
-import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from narrows.base.errors import InputError, near_miss, reason, shown
+from narrows.base.errors import InputError, near_miss
 from narrows.captive import check, formats, settings
 from narrows.captive.columns import COLUMNS, begun, columns_with, renamed
 from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics, kinematic_consistency
-from narrows.captive.tests import LABELS, CaptiveTests, Headers
+from narrows.captive.tests import LABELS, CaptiveTests, Headers, selection
 from narrows.model.sections import Source
-from narrows.quantities.names import Quantity
 from narrows.readers import cells
-from narrows.readers.cells import floats, row_number
-from narrows.readers.headers import Column, Vocabulary, parse_header, recognised_in
+from narrows.readers.cells import floats, more_like_it, row_number
+from narrows.readers.headers import Column, Vocabulary, recognised_in
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
@@ -43,7 +41,7 @@ def clean(
         frame, of_headers = renamed(frame, known, table)
         of_layout = (*of_layout, *of_headers)
     if where:
-        frame = selected(mapped if mapping else raw, frame, where, table, known)
+        frame = frame[selection(where, (mapped if mapping else raw).loc[frame.index], frame, known, table)]
     if not len(frame):
         return frame, (*notes, *of_layout)
     frame, of_totals = without_totals(cells.with_seconds(frame))
@@ -61,7 +59,7 @@ def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
         return frame, ()
     kept = frame[~bare]
     numbers = {header: values for header in words if np.isfinite(values := floats(kept[header])).all()}
-    return kept.assign(**numbers), (f"row {row_number(frame, bare)} holds no number{_more(bare)}: left out",)
+    return kept.assign(**numbers), (f"row {row_number(frame, bare)} holds no number{more_like_it(bare)}: left out",)
 
 
 def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -73,11 +71,7 @@ def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
     if not total.any() or total.all():
         return frame, ()
     row = row_number(frame, total)
-    return frame[~total], (f"row {row} is named {frame['test'][total].iloc[0]!r}{_more(total)}: left out",)
-
-
-def _more(rows: np.ndarray) -> str:
-    return f", and {int(rows.sum()) - 1} more like it" if rows.sum() > 1 else ""
+    return frame[~total], (f"row {row} is named {frame['test'][total].iloc[0]!r}{more_like_it(total)}: left out",)
 
 
 def checked(
@@ -205,47 +199,6 @@ def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]
     return order, tuple(str(name) for name in names), starts
 
 
-def plain_columns(
-    where: str, frame: pd.DataFrame, known: Mapping[str, Quantity], hidden: Iterable[str]
-) -> dict[str, pd.Series]:
-    """Return the columns of an expression by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
-    parsed = [parse_header(str(header), known) for header in frame.columns]
-    columns = {column.quantity: column for column in parsed if column}
-    words = set(re.findall(r"[^\W\d]\w*", where)) - set(hidden)
-    columns_by_word = {word: frame[word] for word in words & set(LABELS) & set(frame.columns)}
-    for word in words:
-        asked = parse_header(word, known)
-        if asked and asked.quantity in columns:
-            column = columns[asked.quantity]
-            columns_by_word[word] = pd.to_numeric(frame[column.header], errors="coerce") * (column.scale / asked.scale)
-    return columns_by_word
-
-
-def selected(
-    raw: pd.DataFrame, frame: pd.DataFrame, where: str, table: str, known: Mapping[str, Quantity]
-) -> pd.DataFrame:
-    """Return the rows of a translated table for which an expression on its names, or on the raw headers, holds."""
-    here, headers = raw.loc[frame.index], [str(header) for header in raw.columns]
-    try:
-        resolvers: Any = (plain_columns(where, frame, known, headers),)
-        chosen: Any = here.eval(where, engine="python", resolvers=resolvers, local_dict={}, global_dict={})
-        if not pd.api.types.is_bool_dtype(chosen):
-            raise TypeError("it is neither true nor false")
-        if np.shape(chosen) != (len(frame),):
-            raise TypeError("it is not one answer for each row")
-    except InputError as error:
-        raise InputError(str(error) if str(error).startswith(table) else f"{table}: {error}") from None
-    except Exception as error:  # pandas raises many kinds of errors on invalid expressions
-        near = ""
-        if isinstance(error, pd.errors.UndefinedVariableError):
-            near = near_miss(str(error).split("'")[1], [*headers, *known]) or f"; it has {', '.join(headers[:20])}"
-        raise InputError(
-            f"{table}: cannot select rows where {shown(where)} ({reason(error)}{near}); use names as u, psi_deg, or "
-            "the table's headers, those with blanks as `Heading [deg]`"
-        ) from None
-    return frame[np.asarray(chosen, dtype=bool)]
-
-
 def screened(
     frame: pd.DataFrame, columns: Iterable[Column], test: np.ndarray, table: str
 ) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -264,7 +217,7 @@ def screened(
                 f"{table}: {place}, as do {int(wrong.sum()) - 1} more rows that the others of their runs contradict; "
                 "select good rows with --where, or mend the column"
             )
-        notes.append(f"{place}{_more(wrong)}, which the other rows of its run contradict: left out")
+        notes.append(f"{place}{more_like_it(wrong)}, which the other rows of its run contradict: left out")
         spoiled |= wrong
     return (frame[~spoiled], tuple(notes)) if notes else (frame, ())
 
@@ -280,32 +233,26 @@ def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
 
 
 def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.ndarray:
-    wrong = np.zeros(len(values), bool)
-    marks = np.isin(np.abs(values), settings.MISSING_MARKS)
-    sizes = np.abs(values[~marks & np.isfinite(values)])
-    typical = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
+    """Return the rows whose distance from the run's median is many times that of nearly all others."""
+    wrong, marks = np.zeros(len(values), bool), np.isin(np.abs(values), settings.MISSING_MARKS)
+    plain = ~marks & np.isfinite(values)
+    if not plain.any():
+        return wrong
+    typical = float(np.quantile(np.abs(values[plain]), settings.USUAL_SHARE))
     for rows, is_run in runs:
-        wrong[rows] = _spikes(values[rows], marks[rows], typical, is_run)
+        if plain[rows].any():
+            away = np.abs(values[rows] - np.median(values[rows][plain[rows]]))
+            others = np.sort(away[plain[rows]])
+            lone = max(1, int(settings.LONE_SHARE * len(others)))
+            # A column that is constant in a run may still step by its size in the table.
+            scale = max(others[-1 - lone] if len(others) > lone else 0.0, typical)
+            # Tests of one condition each may differ by any amount, so a value alone is no spike.
+            spikes = away > settings.SPIKE * scale if is_run else False
+            wrong[rows] = marks[rows] & (away > settings.MARK_APART * scale) | spikes
     # Readings of a gauge hardly repeat: a marker value in several rows is no reading, whatever its size.
-    counts = np.unique(values[~marks & np.isfinite(values)], return_counts=True)[1]
+    counts = np.unique(values[plain], return_counts=True)[1]
     if 2 * len(counts) > counts.sum():
         for mark, count in zip(*np.unique(values[marks], return_counts=True), strict=True):
             if count >= settings.FEWEST_MARKED and count > counts.max():
                 wrong |= values == mark
     return wrong
-
-
-def _spikes(values: np.ndarray, marks: np.ndarray, typical: float, is_run: bool) -> np.ndarray:
-    """Return the rows whose distance from the run's median is many times that of nearly all others."""
-    plain = values[~marks & np.isfinite(values)]
-    if not plain.size:
-        return np.zeros(len(values), bool)
-    median = np.median(plain)
-    away, others = np.abs(values - median), np.sort(np.abs(plain - median))
-    lone = max(1, int(settings.LONE_SHARE * len(others)))
-    spread = others[-1 - lone] if len(others) > lone else 0.0
-    # A column that is constant in a run may still step by its size in the table.
-    scale = max(float(spread), typical)
-    marked = marks & (away > settings.MARK_APART * scale)
-    # Tests of one condition each may differ by any amount, so a value alone is no spike.
-    return np.asarray(marked | (away > settings.SPIKE * scale) if is_run else marked)

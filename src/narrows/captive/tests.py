@@ -1,6 +1,7 @@
 """Captive tests in memory, and their blocks of rows for identification."""
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import compress, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -8,10 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.base.aliases import accept_aliases, name_here
-from narrows.base.errors import InputError, check_choice, did_you_mean, reason, shown
+from narrows.base.errors import InputError, check_choice, did_you_mean, near_miss, reason, shown
 from narrows.base.results import Tabulated, same_content
 from narrows.model.sections import Source
-from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number
+from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number, Quantity
+from narrows.readers.cells import floats
+from narrows.readers.headers import parse_header
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration, Configured
 
@@ -81,12 +84,6 @@ class CaptiveTests(Configured, Tabulated):
     def rows(self) -> int:
         """Number of rows."""
         return int(self.starts[-1])
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of the table."""
-        rows, columns = self.to_dataframe().shape
-        return rows, columns
 
     @property
     def units(self) -> dict[str, str]:
@@ -181,13 +178,7 @@ class CaptiveTests(Configured, Tabulated):
         Raises an InputError if the expression is invalid, or no row is left.
         """
         frame = self.to_dataframe()
-        try:
-            chosen: Any = frame.eval(where, engine="python", local_dict={}, global_dict={})
-        except Exception as error:  # pandas raises many kinds of errors on invalid expressions
-            raise InputError(
-                f"cannot select rows where {shown(where)} ({reason(error)}); use {', '.join(frame.columns)}"
-            ) from None
-        return self.of_rows(chosen)
+        return self.of_rows(selection(where, frame, frame, {}, "the tests"))
 
     def test(self, name: str) -> dict[str, np.ndarray]:
         """Return the columns of one test by its ``name``; an InputError if there is no such test."""
@@ -251,3 +242,42 @@ class CaptiveTests(Configured, Tabulated):
 
 def _is_part(name: str, columns: Mapping[str, np.ndarray]) -> bool:
     return name.startswith(("cos_", "sin_")) and name[4:] in columns
+
+
+def selection(
+    where: str, raw: "pd.DataFrame", frame: "pd.DataFrame", known: Mapping[str, Quantity], table: str
+) -> np.ndarray:
+    """Return the rows for which an expression holds, on raw headers or on the documented names of the same rows."""
+    import pandas as pd
+
+    headers = [str(header) for header in raw.columns]
+    try:
+        resolvers: Any = (_plain_columns(where, frame, known, headers),)
+        chosen: Any = raw.eval(where, engine="python", resolvers=resolvers, local_dict={}, global_dict={})
+        if not pd.api.types.is_bool_dtype(chosen) or np.shape(chosen) != (len(frame),):
+            raise TypeError("it is not true or false for each row")
+    except InputError as error:
+        raise InputError(str(error) if str(error).startswith(table) else f"{table}: {error}") from None
+    except Exception as error:  # pandas raises many kinds of errors on invalid expressions
+        near = ""
+        if isinstance(error, pd.errors.UndefinedVariableError):
+            near = near_miss(str(error).split("'")[1], [*headers, *known]) or f"; it has {', '.join(headers[:20])}"
+        raise InputError(
+            f"{table}: cannot select rows where {shown(where)} ({reason(error)}{near}); use names as u, psi_deg, or "
+            "the table's headers, those with blanks as `Heading [deg]`"
+        ) from None
+    return np.asarray(chosen, dtype=bool)
+
+
+def _plain_columns(
+    where: str, frame: "pd.DataFrame", known: Mapping[str, Quantity], hidden: Iterable[str]
+) -> dict[str, Any]:
+    """Return the columns of an expression by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
+    columns = {column.quantity: column for header in frame.columns if (column := parse_header(str(header), known))}
+    words = set(re.findall(r"[^\W\d]\w*", where)) - set(hidden)
+    found = {word: frame[word] for word in words & set(LABELS) & set(frame.columns)}
+    for word in words:
+        if (asked := parse_header(word, known)) and asked.quantity in columns:
+            column = columns[asked.quantity]
+            found[word] = floats(frame[column.header]) * (column.scale / asked.scale)
+    return found

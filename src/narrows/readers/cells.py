@@ -4,6 +4,7 @@ import hashlib
 import math
 import re
 from collections.abc import Iterable, Mapping
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -29,16 +30,13 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
             f"{table}: no column is headed as a quantity: seen {seen(headers)}; head them {', '.join(known)}, "
             "or say which is which in a file for --mapping"
         )
-    quantities = [column.quantity for column in columns]
-    for name in quantities:
-        if quantities.count(name) > 1:
-            both = [c.header for c in columns if c.quantity == name]
-            raise InputError(f"{table}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
-    for header in headers:
-        # If two columns share a header, pandas calls the second `header.1`.
-        twin = re.sub(r"\.\d+$", "", header)
-        if twin != header and any(column.header == twin for column in columns):
-            raise InputError(f"{table}: columns {twin!r} and {header!r} are both {twin}; keep one")
+    names = {column.header: column.quantity for column in columns}
+    # If two columns share a header, pandas calls the second `header.1`.
+    bare = {header: re.sub(r"\.\d+$", "", header) for header in headers}
+    twins = [(twin, header) for header, twin in bare.items() if twin in names and twin != header]
+    twins += [(one, other) for one, other in combinations(names, 2) if names[one] == names[other]]
+    for one, other in twins:
+        raise InputError(f"{table}: columns {one!r} and {other!r} are both {names[one]}; keep one")
 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
@@ -49,15 +47,18 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
         wrong &= ~_blank(frame[header])
     if wrong.any():
         first = int(np.argmax(wrong))
-        cell, empty = frame[header].iloc[first], _blank(frame[header])[first]
+        cell = frame[header].iloc[first]
         cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
-        fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
-        place = f"row {row_number(frame, wrong)}, column {header!r}"
-        fault_words = "is empty or NaN" if empty else f"holds {cell}, {fault}"
-        more = f", and {int(wrong.sum()) - 1} more like it" if wrong.sum() > 1 else ""
-        remedy = "mend them or leave their rows out" if more else "mend the cell or leave the row out"
-        raise InputError(f"{table}: {place} {fault_words}{more}; {remedy}")
+        size = "which nothing measures" if np.isfinite(values[first]) else "not a finite number"
+        fault = "is empty or NaN" if _blank(frame[header])[first] else f"holds {cell}, {size}"
+        remedy = "mend them or leave their rows out" if wrong.sum() > 1 else "mend the cell or leave the row out"
+        place = f"{table}: row {row_number(frame, wrong)}, column {header!r}"
+        raise InputError(f"{place} {fault}{more_like_it(wrong)}; {remedy}")
     return values
+
+
+def more_like_it(rows: np.ndarray) -> str:
+    return f", and {int(rows.sum()) - 1} more like it" if rows.sum() > 1 else ""
 
 
 def _blank(column: pd.Series) -> np.ndarray:

@@ -2,14 +2,15 @@
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext, suppress
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
 
-from narrows.base.errors import InputError, needs, reason
+from narrows.base.errors import InputError, needs
+from narrows.base.files import reading
 from narrows.base.progress import stage
 from narrows.readers.settings import SHEET_ROWS
 from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, read_text, text_chunks
@@ -25,12 +26,13 @@ class Sheet(NamedTuple):
 
 
 def read_frame(path: Path) -> Sheet:
-    readers: dict[str, Callable[[Path], Sheet]] = {
-        **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
-    }  # fmt: skip
-    reader = readers[_suffix(path, READABLE)]
-    with nullcontext() if reader is _read_text else stage(f"reading {path.name}"), guarding(path):
-        return reader(path)  # Text is read with counted bytes
+    readers: dict[str, Callable[[Path], Sheet]] = {".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat}
+    reader = readers.get(_suffix(path, READABLE))
+    with nullcontext() if reader is None else stage(f"reading {path.name}"), guarding(path):
+        if reader:
+            return reader(path)
+        dialect = dialect_of(path)
+        return Sheet(read_text(path, dialect), dialect.head.notes)  # With counted bytes
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -52,6 +54,10 @@ def notes_of(path: Path) -> tuple[str, ...]:
         return dialect_of(path).head.notes
 
 
+def guarding(path: Path) -> AbstractContextManager[None]:
+    return reading(path, f"a readable {path.suffix[1:]} table")
+
+
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     first = 0
     # Without pre_buffer=False, buffers remain until the file is closed: memory would grow with it.
@@ -68,26 +74,6 @@ def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
     if suffix not in allowed:
         raise InputError(f"{path}: cannot read a {suffix or 'nameless'} file here; give {', '.join(allowed)}")
     return suffix
-
-
-@contextmanager
-def guarding(path: Path) -> Iterator[None]:
-    """Turn the errors of readers into one sentence with the file."""
-    try:
-        yield
-    except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file; check the path") from None
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from None
-    except Exception as error:  # Readers raise many kinds of errors on files of another format
-        raise InputError(
-            f"{path}: is not a readable {path.suffix[1:]} table ({reason(error)}); export it again"
-        ) from None
-
-
-def _read_text(path: Path) -> Sheet:
-    dialect = dialect_of(path)
-    return Sheet(read_text(path, dialect), dialect.head.notes)
 
 
 def _parquet() -> Any:
@@ -107,7 +93,9 @@ def _read_excel(path: Path) -> Sheet:
     with pd.ExcelFile(path, engine="openpyxl") as book:
         sheets = pd.read_excel(book, sheet_name=None, header=None)
     names = list(sheets)
-    read = _sheet_of_data(sheets)
+    counts = {name: cells.apply(pd.to_numeric, errors="coerce").count().sum() for name, cells in sheets.items()}
+    # The first that has a tenth of the numbers of the fullest: cover sheets have few.
+    read = next(name for name, count in counts.items() if count >= max(counts.values()) / 10)
     frame, notes = _of_cells(sheets[read], str(names[0]))
     which = "the first" if read == names[0] else "the first with many numbers"
     alike = {read: frame} | {name: other for name in names if (other := _alike(sheets[name], frame)) is not None}
@@ -120,11 +108,10 @@ def _read_excel(path: Path) -> Sheet:
 
 def _alike(cells: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame | None:
     """A sheet with the same columns as another, all numbers; a column of names would distinguish its rows."""
-    if cells.shape[1] != frame.shape[1] or any(frame[header].dtype.kind not in "fiu" for header in frame):
-        return None
-    with suppress(InputError):
-        other = _of_cells(cells, "")[0]
-        return other if list(other.columns) == list(frame.columns) else None
+    if cells.shape[1] == frame.shape[1] and all(dtype.kind in "fiu" for dtype in frame.dtypes):
+        with suppress(InputError):
+            other = _of_cells(cells, "")[0]
+            return other if list(other.columns) == list(frame.columns) else None
     return None
 
 
@@ -140,16 +127,6 @@ def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str,
     return frame, head.notes
 
 
-def _sheet_of_data(sheets: Mapping[Any, pd.DataFrame]) -> Any:
-    """The first sheet that has a tenth of the numbers of the fullest: cover sheets have few."""
-
-    def is_number(cell: object) -> bool:
-        return isinstance(cell, int | float) and cell == cell  # An empty cell is NaN.
-
-    numbers = {name: int(cells.map(is_number).to_numpy().sum()) for name, cells in sheets.items()}
-    return next(name for name, count in numbers.items() if count >= max(numbers.values()) / 10)
-
-
 def _read_mat(path: Path) -> Sheet:
     from scipy.io import loadmat
 
@@ -157,8 +134,6 @@ def _read_mat(path: Path) -> Sheet:
     trial = [sys.executable, "-c", "import sys; from scipy.io import loadmat; loadmat(sys.argv[1])", str(path)]
     if subprocess.run(trial, stderr=subprocess.DEVNULL).returncode:
         raise ValueError("SciPy does not read it")
-    variables = loadmat(path, simplify_cells=True)
-    loaded = {k: v for k, v in variables.items() if not k.startswith("__")}
-    if len(loaded) == 1 and isinstance(struct := next(iter(loaded.values())), dict):
-        loaded = struct
-    return Sheet(pd.DataFrame(loaded))
+    loaded = {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}
+    only = next(iter(loaded.values()), None) if len(loaded) == 1 else None
+    return Sheet(pd.DataFrame(only if isinstance(only, dict) else loaded))

@@ -1,7 +1,6 @@
 """A laboratory's own names, units and signs, converted to the documented columns."""
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ import pandas as pd
 
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.readers import cells
-from narrows.readers.headers import Vocabulary, parse_header, unit_of
+from narrows.readers.headers import Vocabulary, quantity_of, split_header
 from narrows.ship.ship_file import check_table, load_toml
 
 # Positive direction of a quantity here, and the opposite.
@@ -49,35 +48,32 @@ class ColumnMapping:
             check_table(section.name, values, self.name)
             for name, word in values.items():
                 if not isinstance(word, str):
-                    raise InputError(
-                        f"{self.name}: [{section.name}] {name} = {shown(word)} is no word; give it in quotes"
-                    )
+                    raise InputError(f"{self.name}: [{section.name}] {name} = {shown(word)} is no word; quote it")
         for name, way in self.positive.items():
             _sign(name, way, self.name)
 
     def applied(self, frame: pd.DataFrame, table: str, vocabulary: Vocabulary) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        headers = {str(header): _parsed(str(header), vocabulary) for header in frame.columns}
+        headers = {str(header): quantity_of(str(header), vocabulary) for header in frame.columns}
         sources = self._sources(headers, table, vocabulary)
-        notes = []
-        new = {}
+        notes: list[str] = []
+        new: dict[str, Any] = {}
         for name, header in sources.items():
-            unit = self.units.get(name) or unit_of(header)
-            turned = name in self.positive and _sign(name, self.positive[name], self.name) < 0
-            new[f"{name} [{unit}]" if unit and name not in vocabulary.labels else name] = (
-                -cells.numbers(frame, header, table, vocabulary.blanks) if turned else frame[header]
-            )
-            to = "to " * (self.positive.get(name) in ("port", "starboard"))
-            way = f", its sign turned as it counts {to}{self.positive[name]}" if turned else ""
-            notes.append(f"{name} is {header!r}{way}")
+            unit, way = self.units.get(name) or split_header(header)[1], self.positive.get(name)
+            head = f"{name} [{unit}]" if unit and name not in vocabulary.labels else name
+            new[head] = frame[header]
+            notes.append(f"{name} is {header!r}")
+            if way and _sign(name, way, self.name) < 0:
+                new[head] = -cells.numbers(frame, header, table, vocabulary.blanks)
+                notes[-1] += f", its sign turned as it counts {'to ' * (way in ('port', 'starboard'))}{way}"
         others = [
             header for header, quantity in headers.items()
             # An ignored column must not be read under its own name.
-            if header not in sources.values() and quantity not in sources and self.columns.get(quantity or "") != ""
+            if header not in sources.values() and quantity not in sources and self.columns.get(quantity) != ""
         ]  # fmt: skip
         note = (f"by {self.name}: {'; '.join(notes)}",) if notes else ()
         return pd.concat([frame[others], pd.DataFrame(new, index=frame.index)], axis="columns"), note
 
-    def _sources(self, headers: Mapping[str, str | None], table: str, vocabulary: Vocabulary) -> dict[str, str]:
+    def _sources(self, headers: Mapping[str, str], table: str, vocabulary: Vocabulary) -> dict[str, str]:
         known = (*vocabulary.quantities, *vocabulary.labels)
         sources = {}
         for name in dict.fromkeys([*self.columns, *self.units, *self.positive]):
@@ -91,19 +87,19 @@ class ColumnMapping:
             raise InputError(f"{self.name}: {twice[0]!r} is read as {names}; give it one name")
         return sources
 
-    def _header(self, name: str, headers: Mapping[str, str | None], table: str) -> str:
+    def _header(self, name: str, headers: Mapping[str, str], table: str) -> str:
         asked = self.columns.get(name)
-        if asked is None:
-            matching = [header for header, quantity in headers.items() if quantity == name]
-        else:
-            # A row of units may have been appended to the name.
-            matching = [asked] if asked in headers else [header for header in headers if bare(header) == asked.strip()]
+        # A row of units may have been appended to the name.
+        matching = [
+            header for header, quantity in headers.items()
+            if (quantity == name if asked is None else asked.strip() in (header, split_header(header)[0]))
+        ]  # fmt: skip
         if not matching:
             raise InputError(
                 f"{table}: no column is headed {asked or name!r}, which {self.name} reads as {name}"
                 f"{did_you_mean(asked or name, headers)}"
             )
-        return matching[0]
+        return min(matching, key=len)
 
 
 def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None) -> ColumnMapping | None:
@@ -119,25 +115,8 @@ def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None)
 
 
 def _sign(name: str, way: str, table: str) -> float:
-    ways, way = COUNTED.get(name, ()), OTHER_WAYS.get(way, way)
-    if way in ways:
-        return 1.0
-    opposite = [WAYS[straight] for straight in ways]
-    if way in opposite:
-        return -1.0
-    known: Iterable[str] = (*ways, *opposite)
-    raise InputError(f"{table}: [positive] {name} = {way!r} is no direction of it{did_you_mean(way, known)}")
-
-
-def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
-    if header in vocabulary.labels:
-        return header
-    try:
-        column = parse_header(header, vocabulary.quantities)
-    except InputError:
-        return None
-    return column.quantity if column else None
-
-
-def bare(header: str) -> str:
-    return re.sub(r"\s*[\[(][^\])]*[\])]$", "", header).strip()
+    straight, way = COUNTED.get(name, ()), OTHER_WAYS.get(way, way)
+    signs = dict.fromkeys(straight, 1.0) | {WAYS[one]: -1.0 for one in straight}
+    if way not in signs:
+        raise InputError(f"{table}: [positive] {name} = {way!r} is no direction of it{did_you_mean(way, signs)}")
+    return signs[way]

@@ -35,7 +35,6 @@ class Part(Aliased):
 
     @classmethod
     def numbers(cls) -> dict[str, Quantity]:
-        """Return the unit and meaning of each number."""
         return {entry.name: entry.metadata["quantity"] for entry in fields(cls)}
 
     @classmethod
@@ -61,28 +60,11 @@ class Part(Aliased):
 class Propeller(Part):
     """A propeller of the MMG standard method.
 
+    Ahead K_T = k_0 + k_1 J + k_2 J^2, astern a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2; with zeros the thrust
+    astern is unknown, and revolutions astern are refused. ``with_astern_thrust`` gives those of a series.
+
     Raises an InputError if a number is not finite, a size is not positive, the wake is not a fraction, or revolutions
     are astern and the thrust is known ahead only.
-
-    Parameters
-    ----------
-    diameter : float [m]
-        D_P.
-    revolutions : float [1/s]
-        n, constant.
-    wake : float [1]
-        Wake fraction straight ahead, w_P0.
-    thrust_0, thrust_1, thrust_2 : float [1]
-        K_T = k_0 + k_1 J + k_2 J^2.
-    position : float [1]
-        Position forward of midship over L, x_P'.
-    wake_rate : float [1]
-        Rate of the wake's decrease in a turn, C_1.
-    wake_starboard, wake_port : float [1]
-        Wake ratio of turning to straight running, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
-    astern_0, astern_1, astern_2 : float [1]
-        K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2 for revolutions astern; ``with_astern_thrust`` gives those
-        of a series. With zeros the thrust astern is unknown, and revolutions astern are refused.
 
     Examples
     --------
@@ -101,7 +83,7 @@ class Propeller(Part):
     thrust_2: float = number_in("1", "curvature of K_T by the advance k_2")
     position: float = number_in("1", "propeller forward of midship over L, x_P'", -0.5)
     wake_rate: float = number_in("1", "rate of the wake's decrease in a turn C_1", 0.0)
-    wake_starboard: float = number_in("1", "inflow turning to starboard over inflow straight C_2", 1.0)
+    wake_starboard: float = number_in("1", "inflow turning to starboard (beta_P > 0) over inflow straight C_2", 1.0)
     wake_port: float = number_in("1", "inflow turning to port over inflow straight C_2", 1.0)
     astern_0: float = number_in("1", "K_T astern a_0", 0.0)
     astern_1: float = number_in("1", "slope of K_T astern by the advance a_1", 0.0)
@@ -119,23 +101,6 @@ class Rudder(Part):
 
     Raises an InputError if a number is not finite, or a size is not positive.
 
-    Parameters
-    ----------
-    area : float [m2]
-        A_R.
-    lift : float [1]
-        Slope of the lift, f_alpha.
-    wake_ratio : float [1]
-        Inflow relative to that of the propeller, epsilon.
-    slipstream : float [1]
-        Acceleration of the slipstream, kappa.
-    in_slipstream : float [1]
-        Propeller diameter over rudder height, eta.
-    position : float [1]
-        Effective position over L, l_R'.
-    straightening_starboard, straightening_port : float [1]
-        gamma_R in a turn to starboard (beta_R > 0, flow from port) and to port.
-
     Examples
     --------
     >>> nw.Rudder(40.0, 2.7, 1.0, 0.5, 0.7, -0.9, 0.4, 0.4).area
@@ -151,7 +116,7 @@ class Rudder(Part):
     slipstream: float = number_in("1", "acceleration of the slipstream at the rudder kappa")
     in_slipstream: float = number_in("1", "propeller diameter over rudder height eta")
     position: float = number_in("1", "effective place of the rudder over L, l_R'")
-    straightening_starboard: float = number_in("1", "flow straightening in a turn to starboard gamma_R")
+    straightening_starboard: float = number_in("1", "flow straightening in a turn to starboard (beta_R > 0) gamma_R")
     straightening_port: float = number_in("1", "flow straightening in a turn to port gamma_R")
 
 
@@ -164,21 +129,6 @@ class SteeringGear(Part):
 
     Raises an InputError if the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the
     dead band is negative, or there are other than 1 or 2 pumps.
-
-    Parameters
-    ----------
-    limit_deg : float [deg]
-        Largest rudder angle.
-    rate_deg : float [deg/s]
-        Rate of the rudder, with both pumps.
-    dead_time : float [s]
-        Time from an order to the first motion of the rudder.
-    lag : float [s]
-        Time constant of the servo: the rudder's rate is the remaining angle over this time.
-    dead_band_deg : float [deg]
-        Largest difference of order and rudder that causes no motion.
-    pumps : int
-        Running pumps, 1 or 2: one alone turns the rudder half as fast.
 
     References
     ----------
@@ -195,11 +145,11 @@ class SteeringGear(Part):
     ASKED: ClassVar[bool] = False
 
     limit_deg: float = number_in("deg", "largest rudder angle", 35.0)
-    rate_deg: float = number_in("deg/s", "rate of the rudder", 65 / 28)
+    rate_deg: float = number_in("deg/s", "rate of the rudder with both pumps", 65 / 28)
     dead_time: float = number_in("s", "from an order to the first motion of the rudder", 0.0)
-    lag: float = number_in("s", "time constant of the steering gear", 0.0)
-    dead_band_deg: float = number_in("deg", "difference of order and rudder that moves nothing", 0.0)
-    pumps: int = number_in("1", "pumps that run", 2)
+    lag: float = number_in("s", "time constant of the servo: the rudder's rate is the remaining angle over it", 0.0)
+    dead_band_deg: float = number_in("deg", "largest difference of order and rudder that moves nothing", 0.0)
+    pumps: int = number_in("1", "running pumps, 1 or 2: one alone turns the rudder half as fast", 2)
 
     @classmethod
     def known_as(cls, number: str) -> str:
@@ -302,10 +252,7 @@ STANDARD = (RUDDER, PROPELLER)
 
 
 def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
-    return {
-        **PARTICULARS,
-        **{name: quantity for actuator in (*STANDARD, *actuators) for name, quantity in actuator.particulars.items()},
-    }
+    return PARTICULARS | {n: it for actuator in (*STANDARD, *actuators) for n, it in actuator.particulars.items()}
 
 
 # Ends of the names of an actuator's largest size and of its fastest change.

@@ -13,8 +13,8 @@ from narrows.base.errors import InputError, did_you_mean
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import Quantity
-from narrows.readers.headers import SUFFIXES, Vocabulary
-from narrows.readers.mapping import ColumnMapping, bare
+from narrows.readers.headers import SUFFIXES, Vocabulary, split_header
+from narrows.readers.mapping import ColumnMapping
 from narrows.ship.checks import check_number
 from narrows.ship.ship_file import check_table, load_toml
 from narrows.waterway import Waterway
@@ -92,7 +92,7 @@ def one_ship(
 def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
     """Return a table with the documented names, but for headers that a mapping reads."""
     headers, kept = [str(header) for header in frame.columns], set(mapped)
-    new = {old: name for old in headers if old not in kept and bare(old) not in kept and (name := _documented(old))}
+    new = {old: name for old in headers if not kept & {old, split_header(old)[0]} and (name := _documented(old))}
     return frame.rename(columns={old: name for old, name in new.items() if name not in headers})
 
 
