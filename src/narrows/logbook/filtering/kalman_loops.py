@@ -1,4 +1,4 @@
-"""Kalman filter and smoother of a record, linear about a reference path: loops for a compiler."""
+"""Kalman filter and smoother of a record, linear about a reference path, and Nomoto's model: loops for a compiler."""
 
 import math
 
@@ -104,3 +104,16 @@ def smooth(
                 means[k, p] += covariances[k, p, q] * adjoint[q]
         if not math.isfinite(means[k, 0]):
             return
+
+
+def nomoto_headings(numbers: np.ndarray, psi: float, r: float, step: float, rudder: np.ndarray) -> np.ndarray:
+    """Return headings (n,) [rad] of ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler's method)."""
+    a, b, c, d, e = numbers
+    path = np.full(len(rudder), 1e3)
+    for k in range(len(rudder)):
+        path[k] = psi
+        psi += step * r
+        r += step * (a * rudder[k] + b + (c + d * abs(r) + e * r * r) * r)
+        if not abs(r) < 1.0:  # [rad/s]: it runs away
+            break
+    return path

@@ -9,6 +9,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from narrows.base.results import Aliased
+from narrows.codegen.cache import compiled_loops
+from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.likelihood import FIRST_PASSES, RecordLikelihood, RecordPath, RecordScore, SearchResult
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel
 from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER, STATES, RecordGrid
@@ -147,20 +149,13 @@ def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid
 
 
 def _nomoto_errors(
-    start: np.ndarray, numbers: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
+    start: np.ndarray, numbers: np.ndarray, step: float, rudder: np.ndarray, heading: np.ndarray
 ) -> np.ndarray:
     """Return the heading errors, over READING, of ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler's method)."""
     # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
-    a, b, c, d, e = numbers
     few = min(10, len(heading) - 1)
     psi, r = heading[0] + READING * start[0], (heading[few] - heading[0]) / few / step + START_RATE * start[1]
-    path = np.full(len(rudder), 1e3)
-    for place, angle in enumerate(rudder):
-        path[place] = psi
-        psi += step * r
-        r += step * (a * angle + b + (c + d * abs(r) + e * r * r) * r)
-        if not abs(r) < 1.0:
-            break
+    path = compiled_loops(kalman_loops).nomoto_headings(np.asarray(numbers), psi, r, step, rudder)
     return np.asarray((path - heading) / READING)
 
 
@@ -178,7 +173,7 @@ def nomoto_errors(grids: Iterable[RecordGrid], time: float) -> list[float]:
         )
 
     known = [
-        (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
+        (grid.step, grid.positions[RUDDER], np.interp(grid.times, grid.times_of(read), read.values))
         if (read := grid.readings.get("psi")) and RUDDER in grid.positions else None
         for grid in grids
     ]  # fmt: skip
