@@ -468,7 +468,7 @@ def command(words: list[str]) -> tuple[int, str]:
 
 SHARES = {
     "model_bytes": 14, "model_tables": 16, "ship_bytes": 14, "ship_tables": 14, "csv_bytes": 5, "csv_cells": 4,
-    "mappings": 2, "other_tables": 4, "simulate": 5, "ensemble": 6, "identify": 1, "scale": 4, "particulars": 5,
+    "mappings": 2, "other_tables": 2, "simulate": 5, "ensemble": 6, "identify": 1, "scale": 4, "particulars": 5,
     "legs": 3, "terms": 2, "command_line": 1,
 }  # fmt: skip
 """How often each door is tried, of a hundred: the dear ones less."""

@@ -64,7 +64,7 @@ def test_the_first_table_is_what_is_computed(script, tables) -> None:
 def test_a_row_is_what_a_few_of_its_twins_say(script, tables, words: str) -> None:
     """Within four standard errors of so few."""
     kept = next(row for row in tables[1] if row[0] == words)
-    made = script.row(next(kind for kind in script.KINDS if kind.words == words), 25)
+    made = script.row(next(kind for kind in script.KINDS if kind.words == words), 12)
     held = int(made[1].split()[0])
     for before, now in zip(kept[2:7], made[2:7], strict=True):
         chance = min(max(share(before), 0.02), 0.98)
