@@ -135,6 +135,11 @@ def test_easy_weights_need_twice_the_rudder_travel_of_true_states_at_most() -> N
     assert true < seen < 2 * true
 
 
+def test_a_voyage_of_a_loop_lasts_forty_ship_lengths() -> None:
+    length = full_size().configuration.ship.length
+    assert loop(dt=2.0).simulate().t[-1] == pytest.approx(40 * length / SPEED, abs=2.0)
+
+
 def test_declared_errors_of_sensors_are_drawn() -> None:
     """Fixes with a slow error of 1.5 m move the ship off its line by about as much; certain ones do not."""
     sure, slow = ([Gnss(0.1, coloured=error), *SENSORS[1:]] for error in (None, GaussMarkov(1.5, 60.0)))

@@ -55,6 +55,21 @@ def test_noise_is_as_large_as_it_is_said_to_be() -> None:
     assert travel[2] > 1.5 * travel[1] > 1.5 * travel[0]
 
 
+def test_the_search_begins_with_more_of_each_weight_and_less_of_the_bank() -> None:
+    """The bank's share may be 1 already."""
+    tried: list[np.ndarray] = []
+
+    def cost(point: np.ndarray) -> float:
+        tried.append(point.copy())
+        return float((point**2).sum())
+
+    start = np.array([0.3, -0.2, 1.0])
+    searched(cost, start, 1)
+    steps = np.array(tried[:4]) - start
+    assert (np.count_nonzero(steps, axis=1) == [0, 1, 1, 1]).all()
+    assert (np.sign(np.diag(steps[1:])) == [1, 1, -1]).all()
+
+
 def test_the_search_finds_the_minimum_of_a_valley() -> None:
     """Of a quadratic whose axes differ by a factor of a thousand, turned."""
     turned = np.linalg.qr(np.random.default_rng(2).standard_normal((4, 4)))[0]
