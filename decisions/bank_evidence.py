@@ -1,6 +1,6 @@
 """The bank's coefficients of tested ships, their distribution over ships, and estimates of ships left out.
 
-python decisions/bank_evidence.py prints the constants of ``empirical/calibration.py``.
+python decisions/bank_evidence.py prints the constants of ``empirical/formulas.py``.
 
 The bank has a random-effects model over ships. Its rows are coefficients of ``distance``, the form of Ch'ng (1993) and
 Vantorre et al. (2003): along KVLCC2's wall its coefficient is the same at three clearances, where that of the paper's
@@ -18,7 +18,7 @@ from known_ships import KNOWN_SHIPS, KnownShip, calibrated
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from narrows.empirical.calibration import Uncertain, tail_factor
+from narrows.empirical.formulas import Uncertain, tail_factor
 
 
 @dataclass(frozen=True)

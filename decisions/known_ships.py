@@ -24,9 +24,18 @@ from typing import Any
 
 import numpy as np
 
-from narrows.empirical import calibration
-from narrows.empirical.calibration import COEFFICIENTS, SIGNED, Calibration, FormulaErrors
-from narrows.empirical.formulas import FORMULAS, SURGE_SHARE, Formula, Hull, depth_factor
+from narrows.empirical import formulas
+from narrows.empirical.formulas import (
+    COEFFICIENTS,
+    FORMULAS,
+    SIGNED,
+    SURGE_SHARE,
+    Calibration,
+    Formula,
+    FormulaErrors,
+    Hull,
+    depth_factor,
+)
 
 PRIOR_SHIPS = 3.0  # Weight of the priors of no bias and of the group variance [ships]
 SHALLOWEST_AS_DEEP = 2.0  # h/T above which tests count as deep, after correction by the depth laws
@@ -231,6 +240,6 @@ def text() -> str:
 
 if __name__ == "__main__":
     if "--write" in sys.argv:
-        Path(calibration.__file__).with_name("calibration.json").write_text(text(), encoding="utf-8")
+        Path(formulas.__file__).with_name("calibration.json").write_text(text(), encoding="utf-8")
     else:
         print(text())

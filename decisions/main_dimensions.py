@@ -17,8 +17,7 @@ from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.empirical.calibration import BANK_PRIOR, SIGNED
-from narrows.empirical.formulas import FORMULAS, depth_factor
+from narrows.empirical.formulas import BANK_PRIOR, FORMULAS, SIGNED, depth_factor
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 

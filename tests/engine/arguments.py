@@ -14,7 +14,7 @@ import narrows as nw
 from faults import scaled
 from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
-from narrows.empirical.calibration import read_calibration
+from narrows.empirical.formulas import read_calibration
 from narrows.ship.actuators import Actuator, Part, number_in
 from readers_files import TURNED
 from tables import DTC_SHIP, frame_of, short_twin, written

@@ -97,8 +97,8 @@ STRAIGHT = np.array([[0.0, 0.0], [0.0, 1000.0]])
     [
         (STRAIGHT, [[50, -10], [-50, 1010]], r"starboard bank crosses the centreline at 5\d\d m"),
         (STRAIGHT, [[50, -10], [50, 300], [-1, 301], [50, 302], [50, 1010]], r"crosses the centreline at 301 m"),
-        (STRAIGHT, [[50, 100], [50, 1010]], "known from 100 to 1000 m along a centreline of 1000 m; draw it"),
-        (STRAIGHT, [[50, 1100], [50, 1200]], "no normal of the centreline meets the starboard bank"),
+        (STRAIGHT, [[50, 100], [50, 1010]], "no starboard bank at 0 m along a centreline of 1000 m; draw it"),
+        (STRAIGHT, [[50, 1100], [50, 1200]], "no starboard bank at 0 m along a centreline"),
         (STRAIGHT, [[50, 500]], "needs two points or more"),
         (STRAIGHT, [[50, 500], [50, 500]], "needs two points or more"),
         (STRAIGHT, [[50, 500], [50, float("nan")]], "needs two points or more"),

@@ -11,8 +11,15 @@ import pytest
 
 import narrows as nw
 from narrows.cli.app import main
-from narrows.empirical.calibration import BANK_PRIOR, EVIDENCE_WIDTHS, LEAST_CLEARANCE, read_calibration
-from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
+from narrows.empirical.formulas import (
+    BANK_PRIOR,
+    EVIDENCE_WIDTHS,
+    FORMULAS,
+    LEAST_CLEARANCE,
+    Hull,
+    depth_factor,
+    read_calibration,
+)
 from narrows.empirical.propulsion import resistance_prime
 from narrows.physics.clearance import bank_distance, suction
 
@@ -214,13 +221,17 @@ BAD_INPUTS = [
     ({"length": None}, {}, "the ship has no length; give length between perpendiculars, in metres"),
     ({"block": 0.65}, {}, "one argument"),
     ({"block_coefficient": 65}, {}, "is over 1; it is a fraction"),
-    ({"block_coefficient": 1.0}, {}, "is outside 0.3 to 0.98; check the dimensions and units"),
+    ({"block_coefficient": 1.0}, {}, "outside 0.3 to 0.98; check the dimensions and units"),
     ({"draft": 25}, {}, "leaves no water under [ship] draft = 25 m; check both"),
     ({}, {"canal": nw.Canal(45, 24)}, "[ship] beam = 51 m does not fit in [canal] width = 45 m; check both"),
     ({"length": 1200, "beam": 167, "draft": 49}, {"canal": nw.Canal(900)}, "give metres, not feet"),
-    ({"length": 0.366, "beam": 0.051, "draft": 0.015}, {}, "[ship] length = 0.366 m is outside 1 to 500 m"),
-    ({"length": 51, "beam": 366}, {"canal": nw.Canal(900)}, "L/B = 0.139 (length 51 m, beam 366 m)"),
-    ({"draft": 0.15}, {}, "B/T = 340 (beam 51 m, draft 0.15 m) is outside 1.2 to 15; check the dimensions"),
+    (
+        {"length": 0.366, "beam": 0.051, "draft": 0.015},
+        {},
+        "[ship] length = 0.366 is 0.366 m, outside 1 to 500",
+    ),
+    ({"length": 51, "beam": 366}, {"canal": nw.Canal(900)}, "[ship] length = 51 is 0.139 times the beam"),
+    ({"draft": 0.15}, {}, "[ship] beam = 51 is 340 times the draft, outside 1.2 to 15; check the dimensions"),
     ({"length": -366}, {}, "[ship] length = -366 must be positive, in SI units"),
     ({"beam": math.nan}, {}, "[ship] beam = nan is not a finite number; give it in SI units"),
     ({"length": "366 m"}, {"kind": "tanker"}, "[ship] length = '366 m' is not a finite number"),

@@ -1,5 +1,6 @@
 """Plans of tests against brute force, and against fits to twins of the runs that they propose."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -7,9 +8,9 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive.synthetic import motion_of
-from narrows.identification.information import RATE, candidates, choose, information_of
-from narrows.identification.least_squares import free_parameters
+from narrows.identification.information import RATE, ExpectedErrors, candidates, choose
+from narrows.identification.motions import distinct_motions
+from narrows.identification.normal_equations import accumulate
 from narrows.identification.plan import expected_model
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
@@ -35,27 +36,38 @@ def test_candidates_fit_the_tank() -> None:
         assert max(np.abs(columns["psi"]).max(), drift.max()) <= np.radians(25.0) + 1e-9
 
 
-def test_the_information_of_a_run_is_that_of_generalised_least_squares() -> None:
-    errors, truth, level = nw.RunErrors(0.03, 0.01, 0.02), expected_model(SETTING), {"X": 1.0, "Y": 9.0, "N": 12.0}
-    noise, slot = {"X": 0.5, "Y": 0.3, "N": 0.4}, free_parameters(nw.PAPER)
-    for run in candidates(SETTING, TANK)[::25]:
-        columns = run.columns(RATE)
-        motion, rows = motion_of(columns), len(columns["t"])
-        values, forces = {**SETTING.values(), **motion.values()}, truth.forces(motion)
-        side = 0 if isinstance(run, nw.HarmonicRun) else 1 if run.offset >= 0 else 2
-        expected = np.zeros((max(slot.values()) + 10,) * 2)
-        for i, (force, part) in enumerate(nw.PAPER.forces.items()):
-            a = np.stack([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)], axis=1)
-            whole = np.broadcast_to(forces[force], rows)
-            rank = np.linalg.matrix_rank(a / np.maximum(np.linalg.norm(a, axis=0), 1e-300), rtol=3e-5)
-            fitted = a @ np.linalg.lstsq(a, whole, rcond=1e-9)[0]
-            v = 0.03**2 * np.outer(fitted, fitted) + (0.01 * level[force]) ** 2
-            v += (5 * noise[force] ** 2 + 0.02**2 * whole @ whole / rank) * np.eye(rows)
-            places = [*(slot[term.name] for term in part), max(slot.values()) + 1 + 3 * i + side]
-            expected[np.ix_(places, places)] += a.T @ np.linalg.solve(v, a)
-        found = information_of(run, SETTING, [nw.PAPER], truth, level, noise, 0.5, errors)[0]
-        size = np.sqrt(np.maximum(np.diag(expected), 1e-12))
-        np.testing.assert_allclose(found / np.outer(size, size), expected / np.outer(size, size), atol=1e-6)
+def test_the_information_of_runs_is_that_of_generalised_least_squares() -> None:
+    """Without effects that runs share, their sum is the inverse of the mixed model's covariance."""
+    assumed = ExpectedErrors(SETTING, {"X": 0.5, "Y": 0.3, "N": 0.4}, 0.5, nw.RunErrors(0.03, 0.01, 0.02))
+    tests = nw.twin(expected_model(SETTING), candidates(SETTING, TANK)[::20], {}, rate=RATE)
+    equations, _ = accumulate(tests, nw.PAPER)
+    motions = distinct_motions(equations, repeats=False)
+    found = assumed.information(equations, nw.PAPER).sum(axis=0)
+    for rows, model, z, unit in assumed.parts(equations, motions, nw.PAPER):
+        p = len(unit)
+        alone = replace(model, x=model.x[:, :p], group=np.zeros(0, int), absorbed=np.zeros((p, 0)))
+        expected = np.linalg.inv(alone.conditional(z).covariance)
+        own = found[np.ix_(rows.free_parameters, rows.free_parameters)] * np.outer(unit, unit)
+        size = np.sqrt(np.maximum(np.diag(expected), 1.0))  # Without data only the ridge of 1e-6 remains
+        np.testing.assert_allclose(own / np.outer(size, size), expected / np.outer(size, size), atol=1e-5)
+
+
+def test_more_noise_and_other_zeros_leave_less_information() -> None:
+    tests = nw.twin(expected_model(SETTING), candidates(SETTING, TANK)[::20], {}, rate=RATE)
+    equations, _ = accumulate(tests, nw.PAPER)
+
+    def known(noise: float, correlation_time: float, *errors: float) -> np.ndarray:
+        assumed = ExpectedErrors(SETTING, dict.fromkeys("XYN", noise), correlation_time, nw.RunErrors(*errors))
+        return np.diagonal(assumed.information(equations, nw.PAPER), axis1=1, axis2=2)
+
+    usual = known(0.3, 0.0, 0.02, 0.02, 0.02)
+    for other in ((0.6, 0.0, 0.02, 0.02, 0.02), (0.3, 1.0, 0.02, 0.02, 0.02), (0.3, 0.0, 0.06, 0.02, 0.02),
+                  (0.3, 0.0, 0.02, 0.06, 0.02), (0.3, 0.0, 0.02, 0.02, 0.06)):  # fmt: skip
+        less = known(*other)
+        assert (less <= usual * (1 + 1e-9)).all()
+        assert (less.sum(axis=0)[usual.sum(axis=0) > 0] < usual.sum(axis=0)[usual.sum(axis=0) > 0]).all()
+    zeros = usual[:, -9:].reshape(-1, 3, 3) > 0
+    assert (zeros.sum(axis=2) == 1).all()  # one zero of each force is that of a run
 
 
 def test_the_choice_is_near_the_best_of_all() -> None:

@@ -6,7 +6,7 @@ from math import factorial
 import numpy as np
 import pytest
 
-from narrows.identification.prediction import lmg_shares, mean_abs_shares, mse_shares, shapley_values
+from narrows.identification.shapley import lmg_shares, mean_abs_shares, mse_shares, shapley_values
 
 PLAYERS, ROWS = 5, 60
 

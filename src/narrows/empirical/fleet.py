@@ -2,10 +2,8 @@
 
 import os
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from functools import cache
-from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
@@ -35,16 +33,9 @@ def _ship_of_row(ship: dict[str, Any], canal: dict[str, Any], speed_knots: float
     return EstimatedShip(Ship(**ship), Canal(**canal), speed=speed, **labels)
 
 
+PUBLISHED = Path(__file__).parents[1] / "model" / "published"
 _ROWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 ESTIMATED_SHIPS = MappingProxyType({name: _ship_of_row(**row) for name, row in _ROWS.items()})
-
-
-@cache
-def _loaders() -> dict[str, Callable[[], Model]]:
-    paths = sorted(Path(str(files("narrows") / "model" / "published")).glob("*.toml"))
-    printed = {path.stem: lambda path=path: load_model(path) for path in paths}
-    estimates = {name: lambda row=row: _estimate(row) for name, row in ESTIMATED_SHIPS.items()}
-    return {**printed, **estimates}
 
 
 def _estimate(row: EstimatedShip) -> Model:
@@ -73,12 +64,12 @@ def published(name: str | None = None) -> "Model | list[str]":
     >>> nw.published("mikkelsen2025_dtc").ship.name
     'DTC 1:89.11'
     """
-    loaders = _loaders()
+    names = [*sorted(path.stem for path in PUBLISHED.glob("*.toml")), *ESTIMATED_SHIPS]
     if name is None:
-        return list(loaders)
-    if name not in loaders:
-        raise InputError(f"no published model is called {name!r}{did_you_mean(name, loaders)}")
-    return loaders[name]()
+        return names
+    if name not in names:
+        raise InputError(f"no published model is called {name!r}{did_you_mean(name, names)}")
+    return _estimate(ESTIMATED_SHIPS[name]) if name in ESTIMATED_SHIPS else load_model(PUBLISHED / f"{name}.toml")
 
 
 def model_named(name: str, width: float | None = None, depth: float | None = None) -> Model:

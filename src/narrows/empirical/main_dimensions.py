@@ -10,17 +10,18 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.results import Coefficients
-from narrows.empirical.calibration import (
+from narrows.empirical.formulas import (
     BANK_PRIOR,
     COEFFICIENTS,
     FORM,
+    RANGES,
     SIGNED,
     Calibration,
+    Hull,
     Uncertain,
     read_calibration,
     tested_places,
 )
-from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
     INCREASE_PLACE,
     RUDDER_PLACE,
@@ -158,7 +159,6 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
     if kind is not None:
         check_choice("kind", kind, SHIP_TYPES)
     if isinstance(ship, Ship):
-        check_shape(ship)
         return ship, []
     given = {name: value for name, value in ship.items() if value is not None}
     if "length" not in given:
@@ -178,9 +178,7 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         given[name] = given[of] / ratio if of else usual.block_coefficient
         unit = "" if name == "block_coefficient" else " m"
         filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
-    known = Ship(**given)
-    check_shape(known)
-    return known, filled
+    return Ship(**given), filled
 
 
 def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
@@ -251,11 +249,6 @@ def _sentences(
     return sentences
 
 
-SHORTEST, LONGEST = 1.0, 500.0  # Length of a ship or a model [m]
-# At a block coefficient of 1 some formulas have no value.
-SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 0.98)}
-
-
 def check_types(ship: object, canal: object, water: object, **parts: object) -> None:
     if not isinstance(ship, Ship | Mapping):
         raise InputError(f"ship = {shown(ship)} is no ship; give nw.Ship(length, beam, draft, block_coefficient)")
@@ -264,23 +257,6 @@ def check_types(ship: object, canal: object, water: object, **parts: object) -> 
     for name, value in given.items():
         if not isinstance(value, types[name]):
             raise InputError(f"{name} = {shown(value)} is of another type; give nw.{types[name].__name__}(...)")
-
-
-def check_shape(ship: Ship) -> None:
-    """Raise if the dimensions are no ship's: a wrong unit, or two of them exchanged."""
-    if not SHORTEST <= ship.length <= LONGEST:
-        raise InputError(
-            f"[ship] length = {ship.length:g} m is outside {SHORTEST:g} to {LONGEST:g} m, and no ship's; give metres, "
-            "not feet, millimetres or kilometres"
-        )
-    ratios = (ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient)
-    places = (f"length {ship.length:g} m, beam {ship.beam:g} m", f"beam {ship.beam:g} m, draft {ship.draft:g} m", "")
-    for (name, (low, high)), value, place in zip(SHAPES.items(), ratios, places, strict=True):
-        if not low <= value <= high:
-            where = f" ({place})" if place else ""
-            raise InputError(
-                f"{name} = {value:.3g}{where} is outside {low:g} to {high:g}; check the dimensions and units"
-            )
 
 
 def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
@@ -295,27 +271,30 @@ def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
 
 
 def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Any]) -> None:
-    """Raise if a particular is out of proportion to the ship: another unit, or a share of the ship."""
+    """Raise if a particular is out of proportion to the ship: another unit, a share, or two of them exchanged."""
     displaced = water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
     mass, pace = ship.mass or displaced, math.sqrt(GRAVITY * ship.length)
-    diameter = getattr(parts["propeller"], "diameter", 1.0)
-    # The size of the ship that each is compared with, in words, the widest range of their ratio (no wrong unit), and a
-    # remedy.
-    sizes = {
-        "ship mass": (displaced, "the displaced water", 0.7, 1.4, "give it in kg"),
-        "ship inertia": (mass * ship.length**2, "mass x length^2", 0.02, 0.2, "give it in kg m2"),
-        "ship x_g": (ship.length, "the length", -0.1, 0.1, "give metres forward of midship"),
-        "propeller diameter": (ship.draft, "the draft", 0.15, 1.2, "give it in metres"),
-        "propeller revolutions": (pace / diameter, "(g L)^(1/2) over the diameter", 0.0, 1.5,
-                                  "give revolutions per second, not per minute"),
-        "rudder area": (ship.length * ship.draft, "L x T", 0.005, 0.1, "give it in m2, not as a share"),
-        "steering limit_deg": (35.0, "the usual 35 degrees", 0.1, 2.6, "give degrees, not radians"),
-    }  # fmt: skip
-    for place, (size, words, low, high, remedy) in sizes.items():
+    diameter, wrong = getattr(parts["propeller"], "diameter", 1.0), "check the dimensions and units"
+    # The size that each is compared with, in words, the widest range of their ratio (no wrong unit), and a remedy.
+    sizes = (
+        ("ship length", 1.0, "m", 1.0, 500.0, "give metres, not feet, millimetres or kilometres"),
+        ("ship length", ship.beam, "times the beam", 2.5, 15.0, wrong),
+        ("ship beam", ship.draft, "times the draft", 1.2, 15.0, wrong),
+        # At a block coefficient of 1 some formulas have no value.
+        ("ship block_coefficient", 1.0, "of L x B x T", 0.3, 0.98, wrong),
+        ("ship mass", displaced, "times the displaced water", 0.7, 1.4, "give it in kg"),
+        ("ship inertia", mass * ship.length**2, "times mass x length^2", 0.02, 0.2, "give it in kg m2"),
+        ("ship x_g", ship.length, "times the length", -0.1, 0.1, "give metres forward of midship"),
+        ("propeller diameter", ship.draft, "times the draft", 0.15, 1.2, "give it in metres"),
+        ("propeller revolutions", pace / diameter, "times (g L)^(1/2) over the diameter", 0.0, 1.5,
+         "give revolutions per second, not per minute"),
+        ("rudder area", ship.length * ship.draft, "times L x T", 0.005, 0.1, "give it in m2, not as a share"),
+        ("steering limit_deg", 35.0, "times the usual 35 degrees", 0.1, 2.6, "give degrees, not radians"),
+    )  # fmt: skip
+    for place, size, words, low, high, remedy in sizes:
         section, key = place.split()
         value = getattr({"ship": ship, **parts}[section], key, None)
         if value is not None and not low * size <= value <= high * size:
             raise InputError(
-                f"[{section}] {key} = {value:.4g} is {value / size:.3g} times {words}, outside {low:g} to {high:g}; "
-                f"{remedy}"
+                f"[{section}] {key} = {value:.4g} is {value / size:.3g} {words}, outside {low:g} to {high:g}; {remedy}"
             )

@@ -126,10 +126,8 @@ def compare(
         Tests of one condition, or of several for tables with the depth.
     tables : str, TermTable or a sequence of them
         Tables or their names; those of ``ready_tables`` unless given.
-    balance : str
+    balance, ship
         As in ``identify``.
-    ship : str, Path, Configuration or mapping, optional
-        Ship of tests that were not read yet, as in ``read_captive``.
 
     Examples
     --------
@@ -246,11 +244,6 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
         Tables of terms to compare by their errors on left-out tests; those of ``ready_tables`` unless given.
     ship : str, Path, Configuration or mapping, optional
         Ship of tests that were not read yet, as in ``read_captive``; the model's own unless given.
-
-    Returns
-    -------
-    Explanation
-        Errors of the model, the fit to these tests, and other tables.
 
     Examples
     --------

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.base.results import Coefficients, Named, same_content
-from narrows.captive.read import Tests
+import narrows
+from narrows.base.results import BaseResult, Coefficients, Named, same_content
+from narrows.captive.columns import check_given
+from narrows.captive.read import Tests, as_tests
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
-from narrows.identification.normal_equations import ONE, DesignMatrix, NormalEquations, Score, score
-from narrows.identification.prediction import KINDS, Kind, Prediction, shares
+from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.identification.resampling import (
     Bootstrap,
     DepthTest,
@@ -25,6 +26,7 @@ from narrows.identification.resampling import (
     predictiveness,
     resampled,
 )
+from narrows.identification.shapley import KINDS, Kind, shares
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
 from narrows.model.additions import AT
@@ -32,13 +34,16 @@ from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration
+from narrows.ship.ship_file import ShipSource
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, repr=False)
-class Fit(Prediction):
+class Fit(BaseResult):
     """A fitted table of terms: estimates, intervals, verdicts and diagnostics.
 
     >>> fit.verdicts["b_bank"].status
@@ -73,6 +78,11 @@ class Fit(Prediction):
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
         return Coefficients(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
 
+    @property
+    def nobs(self) -> int:
+        """Number of rows of the fit."""
+        return round(float(self.normal_equations.pick(self.normal_equations.total, [ONE])[0, 0]))
+
     @cached_property
     def motions(self) -> DistinctMotions:
         """The distinct motions, which the standard errors treat as independent."""
@@ -100,6 +110,11 @@ class Fit(Prediction):
         return {name: factor for own in self.diagnostics.overall.values() for name, factor in own.vif.items()}
 
     @property
+    def condition_number(self) -> dict[str, float]:
+        """Condition number of each force's columns, each scaled to unit length [1]."""
+        return Named({force: part.condition for force, part in self.diagnostics.overall.items()})
+
+    @property
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
         verdicts = {name: verdict.words for name, verdict in self.verdicts.items()}
@@ -110,6 +125,16 @@ class Fit(Prediction):
     def scores(self) -> dict[str, Score]:
         """R2 and RMSE of each force on the rows of the fit, with the weights of the fit."""
         return score(self.normal_equations, self.normal_equations.total, self.terms, self.coefficients)
+
+    @property
+    def rsquared(self) -> dict[str, float]:
+        """R2 of each force on the rows of the fit [1]."""
+        return {force: fitted.r2 for force, fitted in self.scores.items()}
+
+    @property
+    def rmse(self) -> dict[str, float]:
+        """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
+        return {force: fitted.rmse for force, fitted in self.scores.items()}
 
     @cached_property
     def left_out_speeds(self) -> dict[str, Score]:
@@ -195,8 +220,7 @@ class Fit(Prediction):
 
         The ``kind`` is ``mse``, ``mean_abs`` or ``lmg``; an InputError is raised for another.
         """
-        equations, values = self.normal_equations, self.coefficients
-        return shares(kind, equations, self.terms, values, lambda: self._deviations)
+        return shares(self, kind)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -214,6 +238,35 @@ class Fit(Prediction):
             f"{rudder[:1].upper()}{rudder[1:]}." if rudder else "",
         )
         return (*self.tests.notes, *filter(None, notes))
+
+    def predict(self, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
+        """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row of the fit.
+
+        Or at those of other ``tests``, read for a ``ship`` where they were not read yet.
+        """
+        return self._rows(self._or_own(tests, ship), measured=False)
+
+    @property
+    def residuals(self) -> "pd.DataFrame":
+        """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
+        return self._rows(self.tests, measured=True)
+
+    def score(self, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
+        """Return R2 and RMSE of each force on other ``tests``, read for a ``ship`` where they were not read yet."""
+        equations, _ = accumulate(self._or_own(tests, ship), self.terms, balance=self.normal_equations.balance)
+        return score(equations, equations.total, self.terms, self.coefficients)
+
+    def plot_residuals(self, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
+        """Draw the residuals of each force over its estimates, a colour for each test.
+
+        With Axes ``ax``, one ``force`` is drawn there, ``X``, ``Y`` or ``N``; the first unless given. Raises an
+        InputError where the fit has no such force.
+        """
+        return narrows.report.residuals_figure(self, ax, force)
+
+    def report(self, path: str | Path, title: str = "narrows") -> None:
+        """Write one HTML page with a ``title`` to a ``path``: everything that is known of it, its answer first."""
+        narrows.report.write_report({"": self}, path, title)
 
     def save(self, path: str | Path) -> None:
         """Write it in the format of the suffix; ``.toml`` is its model, which ``load_model`` reads."""
@@ -287,19 +340,30 @@ class Fit(Prediction):
     def _known(self) -> tuple[NormalEquations, DistinctMotions, Problem, RunErrors, Configuration]:
         return self.normal_equations, self.motions, self.problem, self.errors, self.tests.configuration
 
+    def _or_own(self, tests: Any, ship: ShipSource | None) -> Tests:
+        return self.tests if tests is None else as_tests(tests, ship, self.tests.configuration)
+
+    def _rows(self, tests: Tests, measured: bool) -> "pd.DataFrame":
+        """Forces of each row as estimated, or what was measured beyond that."""
+        import pandas as pd
+
+        frames = []
+        for block in tests.blocks(1):
+            check_given(self.terms.inputs, block.values, block.headers, self.terms.actuators)
+            names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
+            rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
+            for force, terms in self.terms.forces.items():
+                if terms:
+                    parts = (self.coefficients[term.name] * term.column(block.values) for term in terms)
+                    estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
+                    rows[force] = block.values[force] - estimated if measured else estimated
+            frames.append(pd.DataFrame(rows))
+        frame = pd.concat(frames)
+        return frame.set_index([name for name in ("test", "t") if name in frame])
+
     @property
     def _size(self) -> str:
         return f"{len(self.normal_equations.names)} tests of {self.nobs} rows"
-
-    @cached_property
-    def _deviations(self) -> dict[str, float]:
-        """Mean absolute deviation of each column, by one more pass over the rows."""
-        matrix = DesignMatrix(self.terms, effects=False)
-        one = matrix.columns[ONE]
-        mean = (total := self.normal_equations.unweighted.sum(axis=0))[: one + 1, one] / total[one, one]
-        designs = (matrix.evaluate(block) for block in self.tests.blocks(1))
-        sums = sum(np.abs(design - mean[:, None]).sum(axis=1) for design in designs) / total[one, one]
-        return {name: float(sums[matrix.columns[name]]) for name in self.terms.names}
 
 
 def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:

@@ -43,9 +43,6 @@ def identify(
 ) -> Fit:  # fmt: skip
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
-    One pass over the rows leaves sums of products; the fit, its standard errors and verdicts (by distinct motions) and
-    its left-out scores all come from these.
-
     Raises an InputError where an option is unknown, a table has no ship, the tests are of several conditions, or a
     rudder moves that no term has.
 
@@ -70,11 +67,6 @@ def identify(
         whether these change with depth is tested, and ``notes`` say so.
     ship : str, Path, Configuration or mapping, optional
         Ship of a table that was not read yet, as of ``read_captive``; tests that were read have theirs.
-
-    Returns
-    -------
-    Fit
-        With ``coefficients``, ``std``, ``intervals``, ``verdicts``, ``scores``, ``left_out`` and ``model``.
 
     Examples
     --------
@@ -136,7 +128,7 @@ def depths_of(tests: Tests) -> list[float]:
 def identify_conditions(
     tests: Any, condition: str | None = None, ship: ShipSource | None = None, **options: Any
 ) -> dict[str, Fit]:
-    """Fit each condition of a table by itself.
+    """Fit each condition of a table by itself: fits by condition, without a label where they are pooled.
 
     Raises an InputError where there is no such condition, or a table has no ship.
 
@@ -146,15 +138,8 @@ def identify_conditions(
         Tests of one or several conditions.
     condition : str, optional
         Take this one alone.
-    ship : str, Path, Configuration or mapping, optional
-        Ship of a table that was not read yet, as of ``read_captive``.
-    **options : Any
+    ship, **options
         As in ``identify``.
-
-    Returns
-    -------
-    dict of str to Fit
-        By condition; the label is empty where the table names none, or where conditions are pooled.
 
     Examples
     --------

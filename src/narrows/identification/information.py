@@ -1,6 +1,6 @@
 """Candidate runs, their Fisher information, the best choice of them, and the errors expected after it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -9,16 +9,16 @@ from scipy import special
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
-from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of, twin
+from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import bounded_problem, free_parameters
-from narrows.identification.motions import distinct_motions
-from narrows.identification.normal_equations import ONE, NormalEquations, accumulate
+from narrows.identification.mixed_model import MixedModel
+from narrows.identification.motions import DistinctMotions, distinct_motions
+from narrows.identification.normal_equations import ONE, NormalEquations
 from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.identification.verdict import Diagnostics
-from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration, Ship, half_swept
 
@@ -31,65 +31,59 @@ RIDGE = 1e-9
 # Relative difference of the sum of variances within which runs count as equal: while a parameter is unknown, rounding
 # over the ridge moves it by about 1e-5.
 TIE = 1e-4
+# Rows of some forces, their mixed model, the coordinates of its scales, and the unit of each scaled coefficient.
+Part = tuple[ForceRows, MixedModel, np.ndarray, np.ndarray]
 
 
-def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Return the index of each run's zero: 0 for harmonic runs, 1 for steady ones to starboard, 2 to port."""
-    # steady (runs,); offset (runs,) [m]
-    return np.asarray(np.where(steady, np.where(offset >= 0, 1, 2), 0))
+@dataclass(frozen=True)
+class ExpectedErrors:
+    """Errors that a plan expects of its tests."""
+
+    configuration: Configuration
+    noise: Mapping[str, float]  # Standard deviation within a run [N, N, N m]
+    correlation_time: float  # of that noise [s]
+    runs: RunErrors  # Differences between runs
+
+    def parts(self, equations: NormalEquations, motions: DistinctMotions, terms: TermTable) -> Iterator[Part]:
+        """Set up the mixed model of the forces that share coefficients or errors."""
+        problem, rows_apart = bounded_problem(equations, terms), max(1.0, 2 * self.correlation_time * RATE)
+        for forces in joint_forces(problem):
+            noise = rows_apart * np.array([self.noise[force] ** 2 for force in forces])
+            rows = ForceRows(equations, motions, problem, forces, noise)
+            model, _, unit = assemble(rows, self.runs, self.configuration)
+            # In good tests the median ratio of fitted run-error scales to their priors is 0.7. The hull's discrepancies
+            # have their usual sizes, by a global scale of 1: before the tests nobody knows how well the terms fit.
+            z = np.full(len(model.prior), np.log(0.7))
+            if model.multiples:
+                z[-1] = -special.ndtri(2 * special.ndtr(-1 / model.prior[-1]))
+            yield rows, model, z, unit
+
+    def information(self, equations: NormalEquations, terms: TermTable) -> np.ndarray:
+        """Information of each run, as of ``information_of``."""
+        motions = distinct_motions(equations, repeats=False)
+        return information_of(self.parts(equations, motions, terms), motions, terms)
 
 
-def information_of(
-    run: Run, configuration: Configuration, tables: Sequence[TermTable], truth: Model, level: Mapping[str, float],
-    noise: Mapping[str, float], correlation_time: float, errors: RunErrors,
-) -> np.ndarray:  # fmt: skip
-    """Information of one run under each table (tables, p + zeros, p + zeros), zeros by force and kind of run."""
-    # Gain errors are proportional to the forces of truth; level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
-    columns = run.columns(RATE)
-    motion, rows = motion_of(columns), len(columns["t"])
-    values = {**configuration.values(), **motion.values(), **({} if run.depth is None else {"depth": run.depth})}
-    for name in tables[0].inputs:
-        if name not in values:
-            raise InputError(f"the terms need {name}, which the ship file does not give; add it")
-    expected, forces = truth.forces(motion), [force for force, part in tables[0].forces.items() if part]
-    slot = free_parameters(tables[0])
-    size = max(slot.values()) + 1
-    information = np.zeros((len(tables), *(size + ZEROS * len(forces),) * 2))
-    zero = int(zero_of(np.array(isinstance(run, StraightRun)), np.array(np.mean(columns["y"]))))
-    for (t, table), (i, force) in product(enumerate(tables), enumerate(forces)):
-        part, whole = table.forces[force], np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
-        a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
-        scaled = a / np.maximum(np.linalg.norm(a, axis=1), 1e-300)[:, None]
-        # A direction whose singular value is less than 3e-5 of the largest is rounding.
-        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=3e-5)
-        variance = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
-        variance += errors.form**2 * float(whole @ whole) / max(rank, 1)
-        shared = np.stack([errors.gain * (found @ scaled), np.full(rows, errors.zero * level.get(force, 0.0))])
-        cross = a @ shared.T
-        left = a @ a.T - cross @ np.linalg.solve(variance * np.eye(2) + shared @ shared.T, cross.T)
-        places = np.array([*(slot[term.name] for term in part), size + ZEROS * i + zero])
-        np.add.at(information[t], np.ix_(places, places), left / variance)
+def information_of(parts: Iterable[Part], motions: DistinctMotions, terms: TermTable) -> np.ndarray:
+    """Information of each motion, (motions, p + zeros, p + zeros), zeros by force and kind of run."""
+    # Generalised least squares on the rows of its mean; effects that several motions share are left out.
+    forces, size = [force for force, part in terms.forces.items() if part], max(free_parameters(terms).values()) + 1
+    zero = np.where(motions.steady, np.where(motions.features["side"] >= 0, 1, 2), 0)
+    information = np.zeros((len(motions), *(size + ZEROS * len(forces),) * 2))
+    for rows, model, z, _ in parts:
+        for (f, force), motion in product(enumerate(rows.forces), range(len(motions))):
+            own = np.flatnonzero(rows.of_mean & (rows.motion == motion))
+            columns = np.zeros((len(own), information.shape[-1]))
+            columns[:, rows.free_parameters] = rows.x[f * rows.each + own]
+            columns[:, size + ZEROS * forces.index(force) + zero[motion]] = rows.raw(ONE)[own]
+            information[motion] += columns.T @ np.linalg.solve(model.covariance_of(z, f * rows.each + own), columns)
     return information
 
 
-def known_information(made: Sequence[Fit], shape: tuple[int, ...]) -> np.ndarray:
-    """Information of earlier tests, of each table, (tables, p + zeros, p + zeros)."""
-    information = np.zeros(shape)
-    for i, fit in enumerate(made):
-        zero = zero_of(fit.motions.steady, fit.motions.features["side"])
-        fitted = [force for force, part in fit.terms.forces.items() if part]
-        for part in fit.estimates.forces:
-            rows, model = part.rows, part.posterior.model
-            for f, force in enumerate(rows.forces):
-                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.of_mean]
-                columns = np.zeros((len(own), shape[-1]))
-                columns[:, rows.free_parameters] = rows.x[own]
-                number = fitted.index(force) * ZEROS + zero[rows.motion][own - f * rows.each]
-                one = rows.raw(ONE)[own - f * rows.each]
-                columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one
-                errors = model.covariance_of(part.posterior.mode, own)
-                information[i] += columns.T @ np.linalg.solve(errors, columns)
-    return information
+def known_information(fit: Fit) -> np.ndarray:
+    """Information of earlier tests, (p + zeros, p + zeros)."""
+    parts = [(part.rows, part.posterior.model, part.posterior.mode, part.unit) for part in fit.estimates.forces]
+    return np.asarray(information_of(parts, fit.motions, fit.terms).sum(axis=0))
 
 
 def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int]) -> list[int]:
@@ -131,33 +125,23 @@ def _least(information: np.ndarray, targets: Sequence[int]) -> int:
 
 
 def expected_errors(
-    runs: Sequence[Run], counts: Sequence[int], targets: Sequence[str], truth: Model, terms: TermTable,
-    noise: Mapping[str, float], correlation_time: float, errors: RunErrors, made: Fit | None,
+    planned: NormalEquations, runs: Sequence[Run], counts: Sequence[int], targets: Sequence[str], terms: TermTable,
+    assumed: ExpectedErrors, made: Fit | None,
 ) -> np.ndarray:  # fmt: skip
     """Standard errors of some coefficients after the first of the runs and earlier tests, (counts, targets).
 
     They are infinite where the tests do not determine a coefficient.
     """
-    planned, _ = accumulate(twin(truth, tuple(runs), {}, rate=RATE), terms)
-    within = {force: size**2 * max(1.0, 2 * correlation_time * RATE) for force, size in noise.items()}
-    table = []
+    slot, table = free_parameters(terms), []
     for count in counts:
         equations = planned.of_tests([run.name for run in runs[:count]])
         equations = equations if made is None else _joined(made.normal_equations, equations)
-        motions, problem = distinct_motions(equations), bounded_problem(equations, terms)
-        std = np.zeros(len(problem.scale))
-        for own in joint_forces(problem):
-            rows = ForceRows(equations, motions, problem, own, np.array([within[force] for force in own]))
-            model, _, unit = assemble(rows, errors, truth.configuration)
-            # In good tests the median ratio of fitted run-error scales to their priors is 0.7. The hull's discrepancies
-            # have their usual sizes, by a global scale of 1: before the tests nobody knows how well the terms fit.
-            z = np.full(len(model.prior), np.log(0.7))
-            if model.multiples:
-                z[-1] = -special.ndtri(2 * special.ndtr(-1 / model.prior[-1]))
+        motions, std = distinct_motions(equations), np.zeros(max(slot.values()) + 1)
+        for rows, model, z, unit in assumed.parts(equations, motions, terms):
             spread = model.conditional(z).covariance
             std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         known = Diagnostics(equations, terms, motions).determined
-        table.append([std[problem.slot[name]] if known(name) else np.inf for name in targets])
+        table.append([std[slot[name]] if known(name) else np.inf for name in targets])
     return np.array(table)
 
 

@@ -65,7 +65,8 @@ class DistinctMotions:
         return f"Errors are those of {own} distinct motions: {tests - own} of the {tests} tests are repeats."
 
 
-def distinct_motions(equations: NormalEquations) -> DistinctMotions:
+def distinct_motions(equations: NormalEquations, repeats: bool = True) -> DistinctMotions:
+    """Group tests by their motion; without ``repeats`` each test is a motion."""
     moved, length, (mean, std) = equations.moved, equations.length, _moments(equations)
     speed = np.maximum(np.hypot(mean["u"], mean["v"]), 1e-9)
     sizes: dict[str, np.ndarray | float] = {"v": speed, "sin_psi": 1.0, "y": length}
@@ -90,7 +91,9 @@ def distinct_motions(equations: NormalEquations) -> DistinctMotions:
         for values in (mean[name], np.sqrt(2) * std[name])[: 1 if name in ("udot", "vdot", "rdot") else 2]:
             columns.append(values)
             scales.append(max(float(np.abs(values).max()), natural.get(name, 0.0)))
-    group = _same_motion(np.stack(columns, axis=1), np.maximum(scales, 1e-12), steady)
+    group = np.arange(len(steady))
+    if repeats:
+        group = _same_motion(np.stack(columns, axis=1), np.maximum(scales, 1e-12), steady)
     count, names = np.bincount(group), np.array(equations.names, dtype=object)
     sums = np.zeros((len(count), *equations.sums.shape[1:]))
     np.add.at(sums, group[equations.test], equations.sums)

@@ -11,19 +11,21 @@ from narrows.base.errors import InputError
 from narrows.base.results import Tabulated
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
-from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
+from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, twin
 from narrows.empirical.fleet import published
 from narrows.identification.estimates import HALF
 from narrows.identification.fitting import identify
 from narrows.identification.information import (
+    RATE,
+    ExpectedErrors,
     Tank,
     candidates,
     choose,
     expected_errors,
-    information_of,
     known_information,
 )
 from narrows.identification.least_squares import free_parameters
+from narrows.identification.normal_equations import accumulate
 from narrows.identification.systematic_effects import RunErrors
 from narrows.model.bank_forms import with_bank
 from narrows.model.data_range import DataRange
@@ -169,11 +171,11 @@ def plan_tests(
     made = [] if done is None else [identify(done, table, errors=errors) for table in tables]
     tank, limits = within_tested(tank, made[0].data_range if made else None)
     offered = candidates(configuration, tank)
-    truth = expected_model(configuration)
-    level = usual_forces(offered, truth)
-    assumed = (noise, correlation_time, errors)
-    adds = np.array([information_of(run, configuration, tables, truth, level, *assumed) for run in offered])
-    known = known_information(made, adds.shape[1:])
+    assumed = ExpectedErrors(configuration, noise, correlation_time, errors)
+    tests = twin(expected_model(configuration), tuple(offered), {}, rate=RATE)
+    planned = [accumulate(tests, table)[0] for table in tables]
+    adds = np.stack([assumed.information(sums, table) for sums, table in zip(planned, tables, strict=True)], axis=1)
+    known = np.array([known_information(fit) for fit in made]) if made else np.zeros(adds.shape[1:])
     parameters = sorted({free_parameters(terms)[name] for name in names})  # tied coefficients are equal
     for_bank = any(term.from_bank and term.name in names for term in terms.terms)
     best = _separating(offered, adds, known, min(runs, SEPARATING) if for_bank else 0, parameters)
@@ -183,12 +185,12 @@ def plan_tests(
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     # A tank too small for harmonic runs offers no other plan for comparison.
     best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters)] or best
-    given = (names, truth, terms, *assumed, made[0] if made else None)
+    given = (names, terms, assumed, made[0] if made else None)
     # In plans of more than 24 runs standard errors are those after some runs, repeated for the runs before.
     counts = np.unique(np.linspace(1, len(best), min(len(best), 24)).astype(int)).tolist()
     chosen, harmonic = (tuple(offered[i] for i in own) for own in (best, best_harmonic))
-    std = expected_errors(chosen, counts, *given)[np.searchsorted(counts, np.arange(1, len(best) + 1))]
-    (usual,) = expected_errors(harmonic, [len(harmonic)], *given).tolist()
+    std = expected_errors(planned[0], chosen, counts, *given)[np.searchsorted(counts, np.arange(1, len(best) + 1))]
+    (usual,) = expected_errors(planned[0], harmonic, [len(harmonic)], *given).tolist()
     sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
     notes = (
         f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(configuration):g} m of "
@@ -250,12 +252,6 @@ def expected_model(configuration: Configuration) -> Model:
     """Return a model of the approximate forces: the published one by Froude's law."""
     scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
     return replace(scaled, configuration=configuration)
-
-
-def usual_forces(offered: list[Run], truth: Model) -> dict[str, float]:
-    """Return the root mean square of each force over the candidate runs [N, N, N m]."""
-    forces = [truth.forces(motion_of(run.columns(1.0))) for run in offered]
-    return {force: float(np.sqrt(np.mean([np.mean(np.square(one[force])) for one in forces]))) for force in forces[0]}
 
 
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from narrows.identification import Explanation, Fit
-from narrows.identification.prediction import KINDS
+from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
 from narrows.report import fit_figures as draw
 from narrows.report.fit_figures import comparison_figure

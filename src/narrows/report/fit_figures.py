@@ -6,7 +6,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Fit
-from narrows.identification.prediction import KINDS
+from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, Diagnosis
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper

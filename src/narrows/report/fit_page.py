@@ -10,7 +10,7 @@ from narrows.base.results import with_error
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.prediction import KINDS
+from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
 from narrows.model.term import Term

@@ -252,7 +252,7 @@ def print_fit(
 ) -> None:
     """Print a fit, its main result first; with --verbose all results."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.identification.prediction import KINDS
+    from narrows.identification.shapley import KINDS
     from narrows.identification.verdict import IDENTIFIED
 
     console = console or Console(highlight=False, markup=False, soft_wrap=False)

@@ -11,7 +11,7 @@ from narrows.base.results import BaseResult
 from narrows.captive.synthetic import twin
 from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
-from narrows.identification.prediction import KINDS
+from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.simulation.derivative import eigenvalues
 from narrows.simulation.ensemble import ensemble

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
 from narrows.base.errors import InputError
 from narrows.ship.particulars import PROFILE_REACH, Point, check_profile, keel_wall, wall_of
-from narrows.waterway.centreline import FARTHEST, Centreline, chords
+from narrows.waterway.centreline import FARTHEST, Centreline, along_chords, chords, to_starboard
 
-# Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a
-# note.
+# Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a note.
 SLACK = 0.06
+# Sign of an offset from the centreline to either side.
+SIGNS = {"starboard": 1, "port": -1}
 # Places along a bank at which its side of the line is checked.
 ALONG = 4000
 
@@ -30,7 +30,7 @@ class Normals:
     def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
         """Return the distance along normals of pieces of the polyline [m], from end to end of each piece."""
         position, ahead = self.line.frame(s)
-        across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
+        across = self.sign * to_starboard(ahead)
         start, stop = self.points[piece] - position, self.points[piece + 1] - position
         before, after = (start * ahead).sum(axis=-1), (stop * ahead).sum(axis=-1)
         share = np.clip(before / np.where(before == after, 1.0, before - after), 0, 1)
@@ -58,13 +58,13 @@ class Normals:
         for part in self._parts(len(fine) - 1):
             cell, point = np.nonzero(np.diff(self._behind(fine[part.start : part.stop + 1]), axis=0))
             cell += part.start
-            s, n = self.line.foot((fine[cell] + fine[cell + 1]) / 2, self.points[point])
+            s, n = self.line.locate(self.points[point], near=(fine[cell] + fine[cell + 1]) / 2)
             # A bank beyond the centre of a bend is refused, so it needs no corners.
             places.append(s[(self.sign * n > 0) & (self.line.curvature(s) * n < 1)])
         return np.unique(np.clip(np.concatenate(places), 0, self.line.length))
 
     def _parts(self, count: int) -> Iterator[slice]:
-        many = max(1, AT_ONCE // len(self.points))
+        many = max(1, AT_ONCE // max(len(self.points), 1))
         return (slice(start, min(start + many, count)) for start in range(0, count, many))
 
     def _behind(self, s: np.ndarray) -> np.ndarray:
@@ -74,63 +74,20 @@ class Normals:
 
 
 @dataclass(frozen=True)
-class BankLine:
+class DrawnBank:
     """A bank from its own line: at each place its distance is where the centreline's normal first meets it."""
 
-    side: str  # ``starboard`` or ``port``, looking along the centreline
-    points: np.ndarray  # (n, 2) East and north, in either direction; at least two [m]
-    line: Centreline  # The centreline
-
-    def __post_init__(self) -> None:
-        shape = np.shape(self.points)
-        if len(shape) != 2 or shape[1] != 2 or not (np.abs(self.points) < FARTHEST).all() or len(self._distinct) < 2:
-            raise InputError(f"the {self.side} bank needs two points or more on earth, each east and north; mend it")
-        known = chords(self._distinct)
-        along = np.union1d(np.linspace(0, 1, ALONG) * known[-1], known)
-        s, n = self.line.locate(np.stack([np.interp(along, known, column) for column in self._distinct.T], axis=1))
-        refuse_crossing(self.side, s, (s > 0) & (s < self.line.length) & ~(n * self._normals.sign > 0))
-        (corners, pieces), length = self._pieces, self.line.length
-        if corners[0] > SLACK * length or corners[-1] < (1 - SLACK) * length:
-            raise InputError(
-                f"the {self.side} bank is known from {corners[0]:.0f} to {corners[-1]:.0f} m along a centreline of "
-                f"{length:.0f} m; draw it along the whole of it"
-            )
-        if (pieces < 0).any():
-            place = corners[int((pieces < 0).argmax())]
-            raise InputError(f"the normal of the centreline at {place:.0f} m meets no {self.side} bank; draw it there")
-
-    @property
-    def corners(self) -> np.ndarray:
-        """Places at which normals pass from one piece of the bank to another, and the ends of the visible part [m]."""
-        return self._pieces[0]
+    normals: Normals
+    points: np.ndarray  # (n, 2) East and north of its line [m]
+    # (m,) Places where normals pass from one piece to another, and the ends of the seen part [m]
+    corners: np.ndarray
+    pieces: np.ndarray  # (m - 1,) Piece of the line between each two of them
 
     def distance(self, s: np.ndarray | float) -> np.ndarray:
         """Return the distance of the bank [m]; constant beyond the drawn part."""
-        corners, pieces = self._pieces
-        s = np.clip(s, corners[0], corners[-1])
-        return self._normals.met(s, pieces[np.clip(np.searchsorted(corners, s, "right") - 1, 0, len(pieces) - 1)])
-
-    @cached_property
-    def _distinct(self) -> np.ndarray:
-        points = np.asarray(self.points, float)
-        return np.asarray(points[np.append(True, np.diff(points, axis=0).any(axis=1))])
-
-    @cached_property
-    def _normals(self) -> Normals:
-        return Normals(self.line, self._distinct, 1 if self.side == "starboard" else -1)
-
-    @cached_property
-    def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners, and the piece of the bank between each two, -1 for none; unseen ends are cut off."""
-        # Where a bank crosses itself another piece comes first between two corners: found to the samples of the line.
-        corners = np.union1d(self._normals.corners(), self.line.fine)
-        pieces = self._normals.first((corners[1:] + corners[:-1]) / 2)[1]
-        other = np.append(True, np.diff(pieces) != 0)
-        corners, pieces = np.append(corners[:-1][other], corners[-1]), pieces[other]
-        seen = np.flatnonzero(pieces >= 0)
-        if not seen.size:
-            raise InputError(f"no normal of the centreline meets the {self.side} bank; draw it along the whole of it")
-        return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
+        s = np.clip(s, self.corners[0], self.corners[-1])
+        piece = np.searchsorted(self.corners, s, "right") - 1
+        return self.normals.met(s, self.pieces[np.clip(piece, 0, len(self.pieces) - 1)])
 
 
 def refuse_crossing(side: str, s: np.ndarray, wrong: np.ndarray) -> None:
@@ -163,7 +120,7 @@ class Bank:
     profile: tuple[Point, ...] = ()
     #: Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
     #: corners
-    drawn: BankLine | None = None
+    drawn: DrawnBank | None = None
 
     def __post_init__(self) -> None:
         refuse_crossing(self.side, np.asarray(self.s), ~(np.asarray(self.distance) > 0))
@@ -202,7 +159,34 @@ class Bank:
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:
-    """Return a bank from its own line: its distance is where the normal of the centreline first meets it."""
-    # points (n, 2) [m]; profile (m, m)
-    drawn = BankLine(side, points, line)
+    """Return a bank from its own line, drawn in either direction along the whole centreline."""
+    # points (n, 2) East and north [m]; profile (m, m)
+    if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) < FARTHEST).all() or not np.ptp(points, 0).any():
+        raise InputError(f"the {side} bank needs two points or more on earth, each east and north; mend it")
+    distinct = points[np.append(True, np.diff(points, axis=0).any(axis=1))]
+    normals = Normals(line, distinct, SIGNS[side])
+    known = chords(distinct)
+    s, n = line.locate(along_chords(distinct, np.union1d(np.linspace(0, 1, ALONG), known / known[-1])))
+    refuse_crossing(side, s, (s > 0) & (s < line.length) & ~(n * normals.sign > 0))
+    drawn = DrawnBank(normals, points, *seen_pieces(normals, side))
     return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)
+
+
+def seen_pieces(normals: Normals, side: str, reach: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a bank within reach [m], and its piece between each two; short ends without a bank are cut off."""
+    # Where a bank crosses itself another piece comes first between two corners: found to the samples of the line.
+    line, corners = normals.line, np.union1d(normals.corners(), normals.line.fine)
+    distance, pieces = normals.first((corners[1:] + corners[:-1]) / 2)
+    pieces[~(distance < reach)] = -1
+    other = np.append(True, np.diff(pieces) != 0)
+    corners, pieces = np.append(corners[:-1][other], corners[-1]), pieces[other]
+    seen = np.flatnonzero(pieces >= 0)
+    if seen.size and max(corners[seen[0]], line.length - corners[seen[-1] + 1]) <= SLACK * line.length:
+        corners, pieces = corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
+    if (pieces < 0).any():
+        along, within = corners[int((pieces < 0).argmax())], f" within {reach:g} m" if np.isfinite(reach) else ""
+        raise InputError(
+            f"no {side} bank{within} at {along:.0f} m along a centreline of {line.length:.0f} m; draw it along the "
+            "whole of it" + ", or look farther" * bool(within)
+        )
+    return corners, pieces

@@ -71,14 +71,6 @@ class Centreline:
         return _spline_through(self._knots, self._points)
 
     @cached_property
-    def _rate(self) -> "PPoly":
-        return self._spline.derivative()
-
-    @cached_property
-    def _bend(self) -> "PPoly":
-        return self._spline.derivative(2)
-
-    @cached_property
     def _samples(self) -> tuple[np.ndarray, np.ndarray]:
         """Parameters along the line, and the arc length to each."""
         pieces = [np.linspace(a, b, SAMPLES_A_PIECE, endpoint=False) for a, b in pairwise(self._knots)]
@@ -86,7 +78,7 @@ class Centreline:
         # Gauss-Legendre between samples: exact for the length of a cubic to rounding.
         nodes, weights = np.polynomial.legendre.leggauss(5)
         middle, half = (t[1:] + t[:-1]) / 2, np.diff(t) / 2
-        speed = np.linalg.norm(self._rate(middle[:, None] + half[:, None] * nodes), axis=-1)
+        speed = np.linalg.norm(self._spline(middle[:, None] + half[:, None] * nodes, 1), axis=-1)
         return t, np.concatenate([[0.0], np.cumsum((speed * weights).sum(axis=1) * half)])
 
     @cached_property
@@ -120,7 +112,7 @@ class Centreline:
     def curvature(self, s: np.ndarray | float) -> np.ndarray:
         """Return the curvature at places [m], positive to starboard [1/m]; constant beyond the ends."""
         t = np.clip(self._from_distance(s), self._knots[0], np.nextafter(self._knots[-1], 0.0))
-        rate, bend = self._rate(t), self._bend(t)
+        rate, bend = self._spline(t, 1), self._spline(t, 2)
         cross = rate[..., 0] * bend[..., 1] - rate[..., 1] * bend[..., 0]
         return np.asarray(-cross / np.linalg.norm(rate, axis=-1) ** 3)
 
@@ -136,55 +128,43 @@ class Centreline:
 
     def heading(self, s: np.ndarray | float) -> np.ndarray:
         """Return the line's heading at places [m], clockwise from north [rad]."""
-        rate = self._rate(self._from_distance(s))
-        return np.asarray(np.arctan2(rate[..., 0], rate[..., 1]))
+        ahead = self.frame(s)[1]
+        return np.asarray(np.arctan2(ahead[..., 0], ahead[..., 1]))
 
     def frame(self, s: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
         """Return positions at places [m], (..., 2): east and north [m], and unit vectors along the line."""
         t = self._from_distance(s)
-        rate = self._rate(t)
+        rate = self._spline(t, 1)
         return self._spline(t), rate / np.linalg.norm(rate, axis=-1, keepdims=True)
-
-    def foot(self, s: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the feet of perpendiculars from positions, near places s: s, and n to starboard [m]."""
-        nearest, n, _ = self._placed(self._from_distance(s), positions)
-        return nearest, n
 
     def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
         """Return positions, (..., 2): east and north [m], at places and offsets to starboard [m]."""
-        return self.pose(s, n)[0]
-
-    def pose(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions as ``at``, and the line's heading there [rad]."""
         s, n = np.broadcast_arrays(np.asarray(s, float), np.asarray(n, float))
-        t = self._from_distance(s)
-        rate = self._rate(t)
-        return self._spline(t) + n[..., None] * _starboard(rate), np.arctan2(rate[..., 0], rate[..., 1])
+        position, ahead = self.frame(s)
+        return np.asarray(position + n[..., None] * to_starboard(ahead))
 
-    def locate(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the nearest places on the line, straight beyond its ends, to positions: along and off it [m]."""
-        s, n, _ = self.placed(positions)
-        return s, n
+    def locate(
+        self, positions: np.ndarray | Sequence[float], near: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the nearest places on the line, straight beyond its ends, to positions: along and off it [m].
 
-    def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the nearest place as ``locate`` [m], and the line's heading there [rad]."""
+        With places ``near`` [m] return the feet of perpendiculars near them.
+        """
         positions = np.asarray(positions, float)
         flat = positions.reshape(-1, 2)
-        placed = self._placed(self._samples[0][self._tree.query(flat)[1]], flat)
-        s, n, heading = (each.reshape(positions.shape[:-1]) for each in placed)
-        return s, n, heading
-
-    def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, ...]:
+        t = self._samples[0][self._tree.query(flat)[1]] if near is None else self._from_distance(near)
         for _ in range(ROUNDS):  # Newton's method towards the foot of the perpendicular
-            apart, rate = positions - self._spline(t), self._rate(t)
+            apart, rate = flat - self._spline(t), self._spline(t, 1)
             speed = (rate * rate).sum(axis=1)
-            steep = speed - (apart * self._bend(t)).sum(axis=1)
+            steep = speed - (apart * self._spline(t, 2)).sum(axis=1)
             step = (apart * rate).sum(axis=1) / np.where(steep > 0, steep, speed)
             t = t + step
             if not (np.abs(step) > STEP * self._knots[-1]).any():
                 break
-        apart, rate = positions - self._spline(t), self._rate(t)
-        return self._to_distance(t), (apart * _starboard(rate)).sum(axis=1), np.arctan2(rate[:, 0], rate[:, 1])
+        s = self._to_distance(t)
+        place, ahead = self.frame(s)
+        n = ((flat - place) * to_starboard(ahead)).sum(axis=1)
+        return s.reshape(positions.shape[:-1]), n.reshape(positions.shape[:-1])
 
 
 def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
@@ -245,10 +225,9 @@ def _spline_through(parameters: np.ndarray, values: np.ndarray) -> "PPoly":
     return PPoly(np.concatenate([before, spline.c, after], axis=1), np.array([first - span, *spline.x, last + span]))
 
 
-def _starboard(rate: np.ndarray) -> np.ndarray:
-    """Unit vectors to the right of a direction of travel, east and north."""
-    unit = rate / np.linalg.norm(rate, axis=-1, keepdims=True)
-    return np.stack([unit[..., 1], -unit[..., 0]], axis=-1)
+def to_starboard(ahead: np.ndarray) -> np.ndarray:
+    """Unit vectors to the right of others, east and north."""
+    return np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
 
 
 # A number, or pairs of a place along the line [m] and the number there, linear between places.

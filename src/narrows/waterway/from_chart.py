@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from narrows.base.errors import InputError, needs
-from narrows.waterway.banks import SLACK, Bank, Normals, bank_from_points
+from narrows.waterway.banks import SIGNS, Bank, Normals, bank_from_points, seen_pieces
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
 from narrows.waterway.map_lines import TOUCHING, gdal, origin_of, projected
@@ -51,7 +51,7 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     parts = shapely.get_parts(shapely.intersection(drawn, near))
     shores = [np.array(part.coords) for part in parts if part.geom_type == "LineString"]
     points, gaps = np.concatenate([*shores, np.empty((0, 2))]), np.cumsum([len(shore) for shore in shores])[:-1] - 1
-    starboard, port = (_bank(side, line, points, gaps, reach, chart.name) for side in ("starboard", "port"))
+    starboard, port = (_bank(side, line, points, gaps, reach) for side in SIGNS)
     areas = [(shapely.transform(area, partial(projected, origin=origin)), least) for area, least in chart.areas]
     depths = _depths(areas, line)
     return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
@@ -86,24 +86,11 @@ def _sides(ring: Any, centreline: np.ndarray) -> list[np.ndarray]:
     return [np.array(part.coords) for part in merged]
 
 
-def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float, name: str) -> Bank:
+def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float) -> Bank:
     """The outline of the banks visible along the normals to one side: one straight piece between two corners."""
-    sign = 1 if side == "starboard" else -1
-    normals = Normals(line, points, sign, gaps)
-    corners = normals.corners() if len(points) > 1 else np.array([0.0, line.length])
-    distance, piece = normals.first((corners[1:] + corners[:-1]) / 2)
-    missing = ~(distance < reach)
-    if not missing.all():  # Short pieces without a bank at the ends: it goes on as it ends.
-        first, last = np.flatnonzero(~missing)[[0, -1]]
-        if max(corners[first], line.length - corners[last + 1]) <= SLACK * line.length:
-            corners, piece, missing = corners[first : last + 2], piece[first : last + 1], missing[first : last + 1]
-    if missing.any():
-        along = float(corners[int(missing.argmax())])
-        raise InputError(
-            f"{name}: no {side} bank within {reach:g} m at {along:.0f} m along the centreline; draw it where the chart "
-            "has both banks, or look farther"
-        )
-    seen = [line.at(s, sign * normals.met(s, piece)) for s in (corners[:-1], corners[1:])]
+    normals = Normals(line, points, SIGNS[side], gaps)
+    corners, pieces = seen_pieces(normals, side, reach)
+    seen = [line.at(s, normals.sign * normals.met(s, pieces)) for s in (corners[:-1], corners[1:])]
     return bank_from_points(side, np.stack(seen, axis=1).reshape(-1, 2), line)
 
 

@@ -1,7 +1,7 @@
 """Waterways from GeoJSON in WGS84 and back: a centreline, two bank lines, depths along the centreline."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -165,32 +165,29 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one")
     lines, name = [one for one in features if one.geometry.get("type") == "LineString"], quote(file)
-    sizes = [
-        [size for one in lines if (size := metres(one.properties.get(key))) and size > 0] for key in ("width", "depth")
-    ]
-    width, depth = (f"{given[0] if given else usual:g}" for given, usual in zip(sizes, (300, 16), strict=True))
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
-    examples = ["" if given else f" (here {usual} m, an example: put your own)"
-                for given, usual in zip(sizes, (300, 16), strict=True)]  # fmt: skip
+
+    def size(key: str, usual: int) -> tuple[str, str]:
+        """A size as the file gives it, or an example, and a note that it is one."""
+        given = [f"{value:g}" for one in lines if (value := metres(one.properties.get(key))) and value > 0]
+        return (given[0], "") if given else (str(usual), f" (here {usual} m, an example: put your own)")
+
+    (width, of_width), (depth, of_depth) = size("width", 300), size("depth", 16)
     if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
         line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
         raise InputError(
-            f"{file}: has an area; {action} and give a depth{examples[1]}: narrows waterway {name} --line {line} "
+            f"{file}: has an area; {action} and give a depth{of_depth}: narrows waterway {name} --line {line} "
             f"--depth {depth} -o {written}"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
         raise InputError(
-            f"{file}: has one line; with a width{examples[0]} and a depth{examples[1]} it is a waterway: "
+            f"{file}: has one line; with a width{of_width} and a depth{of_depth} it is a waterway: "
             f"narrows waterway --line {name} --width {width} --depth {depth} -o {written}"
         )
     if not features:
         raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth), or two banks")
-    rest = [one for one in lines if not one.role]
-    if set(roles) == {"starboard", "port"} and len(rest) == 1:
-        return [
-            rest[0]._replace(properties={**rest[0].properties, "role": "centreline"}),
-            *(one for one in features if one.role),
-        ]
+    if set(roles) == {"starboard", "port"} and len(lines) == 3:
+        return [one if one.role else one._replace(properties={**one.properties, "role": "centreline"}) for one in lines]
     return [one for one in features if one.role] or lines
 
 
@@ -203,10 +200,9 @@ def _profile(feature: Feature) -> Any:
 
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
     """Features and points [m] by role: by their property or by their place; a missing centreline is the middle."""
-    roles = [feature.role for feature in features]
-    placed = roles_by_place(lines) if None in roles else roles
-    by_role = dict(zip(placed, features, strict=True)) if placed else {}
-    metres = dict(zip(placed, lines, strict=True)) if placed else {}
+    roles: Sequence[str | None] = [feature.role for feature in features]
+    roles = (roles_by_place(lines) or roles) if None in roles else roles
+    by_role, metres = dict(zip(roles, features, strict=True)), dict(zip(roles, lines, strict=True))
     for role in ROLES[1:]:
         if role not in by_role:
             raise InputError(

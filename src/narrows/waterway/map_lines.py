@@ -31,17 +31,17 @@ def origin_of(points: np.ndarray) -> np.ndarray:
 def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     """Project longitude and latitude to metres east and north of an origin, with true scale near it."""
     # points (n, 2) [deg], WGS84; origin (2,) [deg]
-    with np.errstate(invalid="ignore"):  # infinite degrees
+    with np.errstate(all="ignore"):  # no place on earth
         turn = np.radians((points[:, 0] - origin[0] + 180) % 360 - 180)
-    north, east = _forward(np.radians(points[:, 1]), turn)
+        north, east = _forward(np.radians(points[:, 1]), turn)
     return np.stack([east, north - _foot(origin)], axis=1)
 
 
 def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     """Return longitude and latitude [deg] of metres east and north of an origin, longitude from -180 to 180."""
     # points (n, 2) [m]; origin (2,) [deg]
-    latitude, turn = _inverse(points[:, 1] + _foot(origin), points[:, 0])
-    with np.errstate(invalid="ignore"):  # no place on earth
+    with np.errstate(all="ignore"):  # no place on earth
+        latitude, turn = _inverse(points[:, 1] + _foot(origin), points[:, 0])
         return np.stack([(origin[0] + np.degrees(turn) + 180) % 360 - 180, np.degrees(latitude)], axis=1)
 
 
@@ -90,14 +90,14 @@ def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.nda
     """Northing from the equator and easting from the meridian [m]; infinite where undefined, NaN stays NaN."""
     tangent = _conformal(np.tan(latitude))
     north, east = np.arctan2(tangent, np.cos(turn)), np.arcsinh(np.sin(turn) / np.hypot(tangent, np.cos(turn)))
-    zeta, beyond = _zeta(north, east, (np.abs(east) > WIDEST) | (np.abs(latitude) > np.pi / 2))
+    zeta, beyond = north + 1j * east, (np.abs(east) > WIDEST) | (np.abs(latitude) > np.pi / 2)
     place = _RADIUS * (zeta + _waves(zeta, _ALPHA))
     return np.where(beyond, np.inf, place.real), np.where(beyond, np.inf, place.imag)
 
 
 def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Latitude and longitude from the meridian [rad]; infinite where undefined, NaN stays NaN."""
-    zeta, beyond = _zeta(north / _RADIUS, east / _RADIUS, np.abs(east) > WIDEST * _RADIUS)
+    zeta, beyond = (north + 1j * east) / _RADIUS, np.abs(east) > WIDEST * _RADIUS
     sphere = zeta - _waves(zeta, _BETA)
     wanted = np.sin(sphere.real) / np.hypot(np.sinh(sphere.imag), np.cos(sphere.real))
     tangent = wanted / (1 - _E2)
@@ -107,13 +107,6 @@ def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarra
         tangent = tangent + miss * (1 + (1 - _E2) * tangent**2) / slope
     turn = np.arctan2(np.sinh(sphere.imag), np.cos(sphere.real))
     return np.where(beyond, np.inf, np.arctan(tangent)), np.where(beyond, np.inf, turn)
-
-
-def _zeta(north: np.ndarray, east: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Northing + i easting in rectifying radii, 0 beyond the range of the series; and a mask of those."""
-    zeta = np.empty(len(north), complex)
-    zeta.real, zeta.imag = np.where(beyond, 0, north), np.where(beyond, 0, east)
-    return zeta, beyond
 
 
 def _conformal(tangent: np.ndarray) -> np.ndarray:

@@ -208,8 +208,8 @@ class Waterway(BaseSummary):
 
         Return the place along and off the line [m], and the heading to it [rad].
         """
-        s, n, along = self.line.placed(positions)
-        return s, n, _turned(np.asarray(heading) - along)
+        s, n = self.line.locate(positions)
+        return s, n, _turned(np.asarray(heading) - self.line.heading(s))
 
     def to_map(
         self, s: np.ndarray | float, n: np.ndarray | float, psi: np.ndarray | float = 0.0
@@ -218,8 +218,7 @@ class Waterway(BaseSummary):
 
         Return east and north (..., 2) [m], and the heading [rad].
         """
-        positions, along = self.line.pose(s, n)
-        return positions, _turned(np.asarray(psi) + along)
+        return self.line.at(s, n), _turned(np.asarray(psi) + self.line.heading(s))
 
     def check_fits(self, ship: Ship, at: float | None = None) -> None:
         """Raise an InputError that names the place if the waterway is narrower or shallower than a ``ship``.

@@ -88,13 +88,13 @@ class BridgeReadings:
         if not values:
             return {}
         where = projected(np.array([[values["longitude"], values["latitude"]]]), self._origin)
-        s, n, along = (float(number[0]) for number in self.waterway.line.placed(where))
+        s, n = (float(number[0]) for number in self.waterway.line.locate(where))
         length, here = self.waterway.line.length, self.waterway.section(s)
         beyond = abs(n - float(here.middle)) - float(here.width) / 2
         if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and beyond < WATERWAY_REACH):
             self._off += 1
             return {}
-        self._along, self._s = along, s
+        self._along, self._s = float(self.waterway.line.heading(s)), s
         return {"gnss": (s, n)}
 
     def _directions(self, values: dict[str, Values]) -> dict[str, Reading]:
