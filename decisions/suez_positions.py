@@ -19,8 +19,7 @@ import numpy as np
 
 from narrows.identification.fitting import bundled_ship
 from narrows.model.tables import table_named
-from narrows.readers.nmea.nmea_decoder import Entry
-from narrows.readers.nmea.nmea_sentences import DecodedMessage
+from narrows.readers.nmea import DecodedMessage, Entry
 from narrows.warning.inputs.bridge_readings import by_second
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.waterway import Bank, Centreline, Waterway

@@ -17,8 +17,7 @@ from pathlib import Path
 import pyais
 from pages import markdown, publish
 
-from narrows.readers.nmea.nmea_decoder import NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import checksum, sentences
+from narrows.readers.nmea import NmeaDecoder, checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertLog, AlertState, Priority, command_of, logged
 from narrows.warning.inputs.listening import Arrival, Inbox, SignalK

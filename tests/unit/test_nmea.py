@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from logs import angle, antenna_on_earth, bent_waterway, clock, motion, sentence, write_recording
-from narrows.readers.nmea.nmea_sentences import checksum
+from narrows.readers.nmea import checksum
 
 KNOT = 1852 / 3600
 PRINTED = {

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 
 import narrows as nw
-from narrows.readers.nmea.nmea_sentences import sentences, with_checksum
+from narrows.readers.nmea import sentences, with_checksum
 from narrows.warning import settings as numbers
 from narrows.warning.alerts.alert import (
     BANKS,

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from transit import canal
 
-from narrows.readers.nmea.nmea_decoder import Entry
-from narrows.readers.nmea.nmea_sentences import DecodedMessage
+from narrows.readers.nmea import DecodedMessage, Entry
 from narrows.warning.inputs.bridge_readings import BridgeReadings, Messages, Tick, by_second, in_order, paced
 from narrows.waterway.map_lines import unprojected
 

@@ -11,7 +11,7 @@ from shown_page import NOW, estimate, forecast
 from transit import canal, ship
 
 import narrows as nw
-from narrows.readers.nmea.nmea_sentences import with_checksum
+from narrows.readers.nmea import with_checksum
 from narrows.warning.alerts.alert import (
     BANKS,
     LOG_LATE,

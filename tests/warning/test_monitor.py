@@ -12,7 +12,7 @@ from transit import canal, ship
 from watch import BEGAN, calm, forecaster, indicated, monitor, monitored, ticks
 
 import narrows as nw
-from narrows.readers.nmea.nmea_sentences import with_checksum
+from narrows.readers.nmea import with_checksum
 from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertState, Priority, command_of, logged
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick

@@ -4,7 +4,7 @@ import pytest
 from transit import canal, ship
 from watch import BEGAN, Lines, calm, indicated, monitor, monitored, ticks, without
 
-from narrows.readers.nmea.nmea_sentences import with_checksum
+from narrows.readers.nmea import with_checksum
 from narrows.warning.alerts.alert import NO_FORECAST, SENSORS, Priority
 from narrows.warning.monitoring.demonstration import bridge_sentences
 from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE

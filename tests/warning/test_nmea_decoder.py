@@ -21,8 +21,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from logs import motion, sentence
-from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, sentences
+from narrows.readers.nmea import DecodedMessage, Entry, NmeaDecoder, Sentence, sentences
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick, by_second, in_order, replay
 from narrows.warning.inputs.listening import (
     NO_PEER,

@@ -6,8 +6,7 @@ from functools import cache
 
 from transit import canal, ship
 
-from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import sentences
+from narrows.readers.nmea import Entry, NmeaDecoder, sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen

@@ -73,20 +73,16 @@ def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-    if _DISPLAYS:
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with nullcontext() if _DISPLAYS else Progress(*columns, console=Console(stderr=True), transient=True) as started:
+        _DISPLAYS.extend([started] if started else [])
         task = _DISPLAYS[0].add_task(what, total=total)
         try:
             yield _DISPLAYS[0], task
         finally:
             _DISPLAYS[0].remove_task(task)
-        return
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as display:
-        _DISPLAYS.append(display)
-        try:
-            yield display, display.add_task(what, total=total)
-        finally:
-            _DISPLAYS.remove(display)
+            if started:
+                _DISPLAYS.clear()
 
 
 _DISPLAYS: list[Any] = []

@@ -9,7 +9,6 @@ from functools import cache, partial
 from html import escape
 from importlib import import_module
 from inspect import CO_VARKEYWORDS, isfunction, signature
-from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,39 +74,34 @@ def _value(value: Any, name: str, *values: Any, **given: Any) -> Any:
 
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
-    known = {*names_of(type(thing)), *columns}
-    # A formula in the object's own attributes, such as ``abs(r).max()``.
-    for row, theirs in aliases("formulas").items():
-        if {name, name + CALL} & {*theirs} and (used := _names_in(row)) <= {*known, *_LIBRARIES}:
+    kind = type(thing)
+    known, fields = {*names_of(kind), *columns}, getattr(kind, "__dataclass_fields__", ())
+    of_fields = [(ours, theirs) for ours, theirs in aliases("arguments").items() if ours in fields]
+    # Formulas in the object's own attributes, such as ``abs(r).max()``, then attributes and fields.
+    for row, theirs in [*aliases("formulas").items(), *aliases("attributes").items(), *of_fields]:
+        if not (called := name + CALL in theirs) and name not in theirs:
+            continue
+        ours = row.removeprefix(f"{kind.__name__.lower()}.")  # A voyage's ``outcome.time`` is an outcome's ``time``
+        used = _names_in(ours)
+        is_method = any(isfunction(getattr(kind, one, None)) for one in used)
+        if used <= {*known, *_LIBRARIES} and not ("." in ours and is_method):
             scope = {short: import_module(_LIBRARIES[short]) for short in used & _LIBRARIES.keys()}
-            value = eval(row, scope | {ours: getattr(thing, ours) for ours in used & known})
-            return value if name in theirs else partial(_value, value, name)
-    for row, theirs in aliases("attributes").items():
-        # A voyage's ``outcome.time`` is an outcome's ``time``.
-        ours, called = row.removeprefix(f"{type(thing).__name__.lower()}."), name + CALL in theirs
-        attribute, is_method = ours.removesuffix(CALL), isfunction(getattr(type(thing), _head(ours), None))
-        if _head(ours) in known and (called or name in theirs) and not ("." in ours and is_method):
-            value = attrgetter(attribute)(thing)
+            value = eval(ours.removesuffix(CALL), scope | {one: getattr(thing, one) for one in used & known})
             if called == ours.endswith(CALL):
                 return value
             return partial(_value, value, name) if called else value()
-    fields = getattr(type(thing), "__dataclass_fields__", ())
-    if field := name_here(name, "arguments", fields.__contains__):
-        return getattr(thing, field)
     stem = name.rpartition("_")[0]
     own = stem if stem in known else name_here(stem, "attributes", lambda row: _head(row) in known)
-    if own and (size := unit_of(name, own.rpartition(".")[2])):
-        value = getattr(thing, stem)
-        if not callable(value):
-            return np.divide(value, size)
+    if own and (size := unit_of(name, own.rpartition(".")[2])) and not callable(value := getattr(thing, stem)):
+        return np.divide(value, size)
     ours = name_here(name, "functions") or name
     function = getattr(narrows, ours) if ours in dir(narrows) else None
     if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
-        type(thing).__name__, ()
+        kind.__name__, ()
     ):
         return partial(function, thing)
     # A property that raised: its own error, not one of a missing name.
-    if name.startswith("_") or name in names_of(type(thing)):
+    if name.startswith("_") or name in names_of(kind):
         return object.__getattribute__(thing, name)
     raise AttributeError(_refusal(thing, name, columns), name=None, obj=None)
 

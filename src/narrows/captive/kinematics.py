@@ -1,9 +1,9 @@
 """Kinematic consistency: each motion is the rate of another, and a mistake in one has a sign or a unit."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,25 +11,25 @@ from narrows.base.errors import InputError
 from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
 from narrows.captive.tests import cuts
-from narrows.quantities.names import DEGREE
+from narrows.quantities.names import DEGREE, KNOT
 from narrows.readers.headers import Column
 
 # Columns that determine the rate of each column.
 RATES = {
     "x": ("u", "v", "psi"), "y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",),
 }  # fmt: skip
-# Columns whose signs are reversed together, the fewest first.
-MIRRORED = (
-    "y", "psi", "v", "r", "vdot", "rdot", "udot", "psi r", "r rdot", "v vdot", "psi r rdot", "y v vdot",
-)  # fmt: skip
 TURNING = ("psi", "r", "rdot", "psi r", "r rdot", "psi r rdot")
 MOVING = ("x", "y", "x y", "u", "v", "vdot", "udot", "v vdot", "u v", "u v udot vdot")
-
-# Columns that are in another unit together: how many of the first unit one of the second is.
+SPEEDS = ("u", "v", "u v")
+SI = ("rad", "m/s")
+# Columns whose signs are reversed together, the fewest first.
+MIRRORED = (*TURNING, "y", "v", "vdot", "udot", "v vdot", "y v vdot")
+# Columns that are in another unit together: how many of the first unit one of the second is. A header with a unit is
+# wrong only if the column is in SI.
 UNITS = (
     *((names, DEGREE, "rad", "deg") for names in TURNING), *((names, 1 / DEGREE, "deg", "rad") for names in TURNING),
     *((names, 1e-3, "m", "mm") for names in MOVING),
-    *((names, 0.514444, "m/s", "kn") for names in ("u", "v", "u v")),
+    *((names, KNOT, "m/s", "kn") for names in SPEEDS), *((names, 1 / KNOT, "kn", "m/s") for names in SPEEDS),
     ("t", 1e-3, "s", "ms"), ("t", 60.0, "s", "minute"),
 )  # fmt: skip
 
@@ -73,7 +73,7 @@ def check_axes(motions: MotionColumns, agreements: Mapping[str, Agreement], tabl
     columns = motions.columns
     if not {"t", "y", "psi", "u", "v"} <= columns.keys():
         return
-    u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions, {})
+    u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions)
     known, turning = lapses > 0, agreements.get("psi")
     if not known.any() or (turning and turning.apart.any()):  # A heading in degrees, which check_kinematics refuses
         return
@@ -109,7 +109,7 @@ def check_kinematics(
 def kinematic_consistency(motions: MotionColumns) -> dict[str, Agreement]:
     """Compare the changes of each column with its rate, by column."""
     rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
-    lapses = _lapses(motions, rates)
+    lapses = _lapses(motions)
     return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
 
 
@@ -134,8 +134,8 @@ def _moves(motions: MotionColumns, name: str) -> bool:
     return bool(np.std(motions.columns[name]) > sizes[name] * settings.SHAKE)
 
 
-def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
-    """Time between rows [s]: from t, from the path, or constant of unknown size; 0 if unknown."""
+def _lapses(motions: MotionColumns) -> np.ndarray:
+    """Time between rows [s], from t or from the path; 0 if unknown."""
     columns, starts = motions.columns, motions.starts
     inside = np.ones(int(starts[-1]) - 1, bool)
     inside[starts[1:-1] - 1] = False
@@ -147,7 +147,7 @@ def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
             lapses = np.abs(2 * np.diff(columns["x"]) / (ahead[1:] + ahead[:-1]))
         if (lapses[inside] > 0).all() and np.isfinite(lapses[inside]).all():
             return _without_gaps(lapses, inside, starts)
-    return _even(columns, starts, rates, inside)
+    return np.zeros(len(inside))
 
 
 def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
@@ -155,19 +155,6 @@ def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) ->
     known = np.where(inside, lapses, 0.0)
     medians = [np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)]
     return np.where(known > settings.ROW_GAP * np.repeat(medians, np.diff(starts))[:-1], 0.0, known)
-
-
-def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarray) -> np.ndarray:
-    """Constant time between rows in each test, the median over its columns; 0 if only one column determines it."""
-    seen = [_agreement(columns[name], rate, inside * 1.0, starts) for name, rate in rates.items()]
-    if not seen:
-        return inside * 1.0
-    factors_seen = np.array([np.where(one.alike, one.factor, np.nan) for one in seen])
-    enough = np.isfinite(factors_seen).sum(axis=0) >= settings.FEWEST_RATES
-    step = np.array(
-        [np.nanmedian(factors) if several else 0.0 for factors, several in zip(factors_seen.T, enough, strict=True)]
-    )
-    return np.asarray(inside * np.repeat(step, np.diff(starts))[:-1])
 
 
 def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts: np.ndarray) -> Agreement:
@@ -202,36 +189,28 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
 
 
 def _causes(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
-    return _turned_round(motions, agreements, by_name) or _in_another_unit(motions, agreements, by_name)
-
-
-def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
-    """Describe the fewest columns that agree with all others after a change of sign."""
+    """Describe the fewest columns that agree with all others after a change of sign, or else in another unit."""
     mended = [names for names in map(str.split, MIRRORED) if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
-    fewest = [names for names in mended if len(names) == len(mended[0])]
-    if not fewest:
-        return ""
-    choices = ", or ".join(_listed(names, by_name) for names in fewest)
-    return f"turn the sign of {choices} (y and v count to starboard, angles clockwise from above)"
-
-
-def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
-    """Describe the fewest columns that agree with all others in another unit."""
-    mended = [
-        (names, common, unit)
+    if mended:
+        choices = ", or ".join(_listed(names, by_name) for names in _fewest(mended))
+        return f"turn the sign of {choices} (y and v count to starboard, angles clockwise from above)"
+    in_units = {
+        tuple(words.split()): (common, unit)
         for words, scale, common, unit in UNITS
-        for names in [words.split()]
-        # A header with a unit may be wrong only if that is not the common one.
-        if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
-        and _mends(motions, agreements, dict.fromkeys(names, scale))
-    ]
-    fewest = min((len(names) for names, _, _ in mended), default=0)
+        if all(name in by_name and by_name[name].stated == (unit in SI) for name in words.split())
+        and _mends(motions, agreements, dict.fromkeys(words.split(), scale))
+    }
     parts = []
-    for names, common, unit in (mend for mend in mended if len(mend[0]) == fewest):
-        units = [COLUMNS[name].unit.replace(common, unit, 1) if unit != "rad" else COLUMNS[name].unit for name in names]
-        heads = " and ".join(f"'{name} [{spelled}]'" for name, spelled in zip(names, units, strict=True))
+    for names in _fewest(in_units):
+        common, unit = in_units[names]
+        units = [own if unit in SI else own.replace(common, unit, 1) for own in (COLUMNS[name].unit for name in names)]
+        heads = " and ".join(f"'{name} [{own}]'" for name, own in zip(names, units, strict=True))
         parts.append(f"{_listed(names, by_name)} {'look' if len(names) > 1 else 'looks'} like {units[0]}; head {heads}")
     return ", or ".join(parts)
+
+
+def _fewest(groups: Collection[Any]) -> list[Any]:
+    return [names for names in groups if len(names) == min(map(len, groups))]
 
 
 def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: Mapping[str, float]) -> bool:
@@ -248,6 +227,6 @@ def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: 
     )
 
 
-def _listed(names: list[str], by_name: Mapping[str, Column]) -> str:
+def _listed(names: Sequence[str], by_name: Mapping[str, Column]) -> str:
     headers = [repr(by_name[name].header) if name in by_name else repr(name) for name in names]
     return " and ".join([", ".join(headers[:-1]), headers[-1]] if len(headers) > 1 else headers)

@@ -16,7 +16,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, path_of
 from narrows.base.progress import stage
 from narrows.captive import tests
-from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_accelerations
+from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_rates
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
 from narrows.model.sections import Source
 from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
@@ -30,6 +30,7 @@ NO_SHIP = (
     "a table has no ship of its own; give ship='ship.toml', a Configuration, or {'ship': {'length': ...}, 'canal': "
     "{'width': ...}}"
 )
+NO_ROWS = "no rows are left to read; add rows under the header, or select less strictly (where)"
 
 
 @accept_aliases
@@ -76,13 +77,11 @@ def read_captive(
     with stage("checking the table"):
         frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):
-            raise InputError(
-                f"{name}: no rows are left to read; add rows under the header, or select less strictly (where)"
-            )
+            raise InputError(f"{name}: {NO_ROWS}")
         rows = checked(frame, configuration, name, movers, ship_file_of(ship))
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
-    return collect_rows(with_accelerations(rows), configuration, source, sheet.notes + notes)
+    return with_rates(collect_rows(rows, configuration, source, sheet.notes + notes))
 
 
 def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = None) -> Any:
@@ -127,9 +126,7 @@ class StreamedTests:
                 lengths[name] = lengths.get(name, 0) + stop - start
                 last = name
         if not lengths:
-            raise InputError(
-                f"{self.path}: no rows are left to read; add rows under the header, or select less strictly (where)"
-            )
+            raise InputError(f"{self.path}: {NO_ROWS}")
         return lengths
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
@@ -192,16 +189,8 @@ def stream_captive(
 
     Parameters
     ----------
-    path : str or Path
-        CSV or Parquet, in the columns of ``read_captive``.
-    ship : str, Path, Configuration or mapping
-        The ship file, its configuration, or its sections as mappings.
-    where : str, optional
-        Selection of rows.
-    actuators : iterable of Actuator
-        Additional actuators, whose columns the table and whose sections the ship file may have.
-    mapping : str, Path, mapping or ColumnMapping, optional
-        A laboratory's own names, units and signs, as in ``read_captive``.
+    path, ship, where, actuators, mapping : Any
+        As for ``read_captive``; the file is CSV or Parquet.
     """
     path = path_of("path", path)
     movers = tuple(actuators)

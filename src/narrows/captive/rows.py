@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -127,26 +128,23 @@ def _check_plausible(found: check.CheckedColumns, test: np.ndarray) -> tuple[str
     return notes + check_kinematics(motions, agreements, names, found.by_name, table)
 
 
-def with_accelerations(rows: Rows) -> Rows:
-    """Return rows with missing heading, yaw rate and accelerations computed from the other columns, test by test."""
-    columns, made = dict(rows.columns), []
-    order, _, starts = _grouped(rows.test)
-    steady = "t" not in columns and len(starts) > len(order)  # One row for each test
+def with_rates(tests: CaptiveTests) -> CaptiveTests:
+    """Return tests with missing heading, yaw rate and accelerations computed from the other columns, test by test."""
+    columns, made = dict(tests.columns), []
+    steady = "t" not in columns and tests.rows == len(tests)  # One row for each test
 
     def rate_of(name: str) -> np.ndarray | None:
         """Return central differences over t, or 0 for steady tests; None if there is no time."""
         if steady:
-            return np.zeros(len(order))
-        if not {"t", name} <= columns.keys() or (np.diff(starts) < 2).any():
+            return np.zeros(tests.rows)
+        if not {"t", name} <= columns.keys() or (np.diff(tests.starts) < 2).any():
             return None
-        t, values, rate = columns["t"][order], columns[name][order], np.empty(len(order))
-        for start, stop in pairwise(starts.tolist()):
-            rate[order[start:stop]] = np.gradient(values[start:stop], t[start:stop])
-        return rate
+        parts = pairwise(tests.starts.tolist())
+        return np.concatenate([np.gradient(columns[name][a:b], columns["t"][a:b]) for a, b in parts])
 
     turns = steady and np.any(columns.get("r", 0.0))
     lacks_psi = "psi" not in columns and {"y", "u", "v"} <= columns.keys()
-    if lacks_psi and not near_miss("psi", rows.headers.unread) and not turns and (aside := rate_of("y")) is not None:
+    if lacks_psi and not near_miss("psi", tests.headers.unread) and not turns and (aside := rate_of("y")) is not None:
         u, v = columns["u"], columns["v"]
         with np.errstate(all="ignore"):  # From dy/dt = u sin(psi) + v cos(psi); 0 at no speed
             columns["psi"] = np.nan_to_num(np.arcsin(np.clip(aside / np.hypot(u, v), -1, 1)) - np.arctan2(v, u))
@@ -157,21 +155,14 @@ def with_accelerations(rows: Rows) -> Rows:
             columns[acceleration] = rate
             how = "as 0, for each test is one row" if steady else f"from {velocity} over t by differences"
             made.append(f"{acceleration} is absent: taken {how}")
-    return rows._replace(columns=columns, notes=(*rows.notes, *made))
+    return replace(tests, columns=columns, notes=(*tests.notes, *made))
 
 
 def collect_rows(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
     order, names, starts = _grouped(rows.test)
-    return CaptiveTests(
-        columns={name: column[order] for name, column in rows.columns.items()},
-        names=names,
-        starts=starts,
-        configuration=configuration,
-        conditions=tuple(rows.condition[order][starts[:-1]]) if rows.condition.size else (),
-        source=source,
-        notes=notes + rows.notes,
-        headers=rows.headers,
-    )
+    columns = {name: column[order] for name, column in rows.columns.items()}
+    conditions = tuple(rows.condition[order][starts[:-1]]) if rows.condition.size else ()
+    return CaptiveTests(columns, names, starts, configuration, conditions, source, notes + rows.notes, rows.headers)
 
 
 def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:

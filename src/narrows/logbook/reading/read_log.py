@@ -20,7 +20,7 @@ from narrows.quantities.names import DEGREE, KNOT
 from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
 from narrows.readers.headers import recognised_in
-from narrows.readers.nmea.nmea_decoder import Recording, is_nmea
+from narrows.readers.nmea import Recording, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
 

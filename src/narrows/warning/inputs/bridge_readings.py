@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.base.errors import InputError
-from narrows.readers.nmea.nmea_decoder import Entry, Recording
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
+from narrows.readers.nmea import PARTICULARS, SOURCES, WATER_DEPTH, Entry, Recording, Values
 from narrows.warning.alerts.alert import AlertCommand
 from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD, SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.map_lines import projected
@@ -137,7 +136,7 @@ def replay(path: Path, speed: float = math.inf, mmsi: int | None = None) -> Iter
     """Return the messages of a recording second by second; times count from 1970 if it has dates."""
     recording = Recording(path, mmsi)
     entries = (entry._replace(t=entry.t + (recording.clock.begin or 0.0)) for entry in recording.entries())
-    return (tick._replace(faults=dict(recording.faults)) for tick in paced(by_second(in_order(entries)), speed))
+    return (tick._replace(faults=dict(recording.decoder.faults)) for tick in paced(by_second(in_order(entries)), speed))
 
 
 def in_order(entries: Iterable[Entry]) -> Iterator[Entry]:

@@ -16,8 +16,16 @@ from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from narrows.base.errors import InputError, needs, reason
-from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, DecodedMessage, GroupedValues, Sentence, Values, sentences
+from narrows.readers.nmea import (
+    PARTICULARS,
+    DecodedMessage,
+    Entry,
+    GroupedValues,
+    NmeaDecoder,
+    Sentence,
+    Values,
+    sentences,
+)
 from narrows.warning import settings
 from narrows.warning.alerts.alert import command_of
 from narrows.warning.inputs.bridge_readings import Tick

@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 
 from narrows.base.errors import InputError, needs
 from narrows.base.files import to_json
-from narrows.readers.nmea.nmea_sentences import with_checksum
+from narrows.readers.nmea import with_checksum
 from narrows.warning import settings
 from narrows.warning.alerts.alert import (
     ANSWERED,

@@ -11,8 +11,7 @@ from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.model.tables import table_named
 from narrows.quantities.names import KNOT
-from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
+from narrows.readers.nmea import Entry, NmeaDecoder, checksum, sentences, with_checksum
 from narrows.simulation.controllers import RudderSchedule
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.warning.inputs.bridge_readings import Tick

@@ -11,8 +11,7 @@ from narrows.base.errors import InputError, shown
 from narrows.base.results import Aliased
 from narrows.estimation.filter_run import checked_readings
 from narrows.model.model import Model
-from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import sentences
+from narrows.readers.nmea import Entry, NmeaDecoder, sentences
 from narrows.ship.checks import is_finite
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.warning.alerts.alert import Alert
