@@ -275,7 +275,7 @@ def test_an_estimate_needs_a_ship() -> None:
     [
         ("--length 1200 --beam 167 --draft 49", "give metres, not feet"), ("--block 65", "is over 1; it is a fraction"),
         ("--length 366000 --beam 51000 --draft 15000 --width 3e5 --depth 24000", "not feet, millimetres or kilometres"),
-        ("--length 366m", "'--length': '366m' is not a number; write it as 12.5, without a unit"),
+        ("--length 366ft", "'--length': '366ft' is not a number; write it as 12.5, or with its unit as 12.5m"),
         ("--length 366,5", "'366,5' is not a number"), ("--length nan", "[ship] length = nan is not a finite number"),
         ("--beam=-51", "[ship] beam = -51.0 must be positive"), ("--draft 25", "leaves no water under"),
         ("--width 45", "does not fit in"), ("--depth 0", "[canal] depth = 0.0 must be positive"),

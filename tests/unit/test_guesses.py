@@ -180,7 +180,13 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: DTC.export("c", "dtc.h"),
         "too many positional arguments; its arguments: path",
     ),  # type: ignore[call-arg]
-    "nw.Tests": (lambda: nw.Tests, "write read_captive"),  # type: ignore[attr-defined]
+    "nw.Tests(path)": (lambda: nw.Tests("tests.csv"), r"nw.read_captive\(path, ship\) makes one"),  # type: ignore[attr-defined]
+    "tests.select(kind=)": (lambda: TESTS().select(kind="yaw"), "write where=..., as in"),
+    "nw.identify(form=)": (lambda: nw.identify(short_twin(), form="distance"), r"'paper\+distance' for another bank"),  # type: ignore[call-arg]
+    "model.plot_forces(u=1.0)": (lambda: DTC.plot(u=1.0), "has the numbers at a speed"),  # type: ignore[call-arg]
+    "model.forces(0.5, 0.0, 1.0)": (lambda: DTC.forces(0.5, 0.0, 1.0, 0.0, 0.0), "give them by name"),  # type: ignore[arg-type]
+    "nw.sensitivities(voyage)": (lambda: nw.sensitivities(voyage()), "is no model; give nw.published"),  # type: ignore[arg-type]
+    "fit.interval(name, level=0.9)": (lambda: fit().interval("b_v"), "intervals are of 95 %; write intervals"),  # type: ignore[attr-defined]
     "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]
     "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
     "model.poles()": (lambda: DTC.poles(), r"write linearize\(u=...\).poles\(\)"),  # type: ignore[attr-defined]
@@ -469,6 +475,12 @@ assert [test.name for test in tests] == [*tests.names] and tests.name == tests.s
 assert nw.plan(pub, runs=2).runs and nw.plan(tests, runs=2).runs
 pub.save("ship.toml"); assert nw.read_ship("ship.toml").ship == pub.ship
 assert voyage.outcome.grounded and not nw.simulate(kcs, y=5.0, hold=0, duration=30.0).outcome.grounded
+assert -1 <= fit.correlation.loc["b_v", "b_r"] == fit.corr().b_v.b_r <= fit.correlation.loc["b_v", "b_v"] < 1.01
+assert "b_v  " in str(fit) and str(voyage) == voyage.summary() and fit.verdicts["b_vdot"].is_identified
+ax = voyage.plot_track(); ax.set_title("DTC at 1 m/s"); assert ax.axes[0].get_title() == "DTC at 1 m/s"
+assert nw.estimated(nw.Ship(**big), **wide) == nw.estimate_model(**big, **wide)
+assert nw.Tests.from_dataframe(tests.to_dataframe(), ship=tests.configuration).rows == tests.rows
+assert nw.explain(pub, tests, ["paper"]).table().shape[0] == 17
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
@@ -555,6 +567,18 @@ def test_every_answer_names_something_that_exists() -> None:
                 assert attrgetter(name)(nw) is not None, row
 
 
+def test_numbers_of_the_command_line_have_units(cli: Callable[..., tuple[int, str, str]]) -> None:
+    start = ["simulate", "estimated_kcs", "--speed", "8kn", "--duration"]
+    plain = cli(*start, 20, "--y", 5.0, "--rudder-deg", 2.0, "--json")
+    assert plain == cli(*start, "20s", "--y", "5 m", "--rudder-deg", "2deg", "--json")
+    assert plain[0] == 0
+    for words, told in {
+        "zigzag estimated_kcs --angle 10": "write --zigzags 10/10", "monitor full.toml --input a.nmea": "--replay FILE",
+        "identify a.csv --bank-form distance": r"--terms paper+distance",
+    }.items():  # fmt: skip
+        assert told in cli(*words.split())[2]
+
+
 def test_verbs_show_a_model_and_its_zigzags_under_other_names(cli: Callable[..., tuple[int, str, str]]) -> None:
     code, out, err = cli("info", "mikkelsen2025_dtc")
     assert code == 0, err
@@ -623,7 +647,6 @@ def test_methods_accept_the_other_names_of_arguments() -> None:
         ("float(nw.squat(nw.published('estimated_kcs'), 4.0))", "a Squat is no number; take one of its own: sinkage"),
         ("nw.control.lqr(model, Q=1, R=1)", "has no controls, so no gains; nw.borrow_rudder"),
         ("fit.conf_int(alpha=0.1)", "conf_int takes no arguments here: intervals are of 95 %; write conf_int"),
-        ("fit.corr()", "write covariance / np.outer"),
         ("nw.measured_squat()", "write pandas.read_csv of lataire2009_squat.csv"),
         ("f'{model:.2f}'", "a Model is no number"),
         ("model.plot(x='x')", "write ax=..., or to_dataframe"),

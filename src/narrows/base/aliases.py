@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from narrows.base.errors import InputError, near_miss
+from narrows.base.errors import InputError, near_miss, shown
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -192,7 +192,8 @@ def _check_fits(own: str, function: Callable[..., Any], values: Any, given: Any)
     except TypeError as error:
         made_by = name_here(own, "made_by")
         fitting = ", ".join(name for name in signature.parameters if name != "self")
-        remedy = f"{made_by} makes one" if made_by else f"its arguments: {fitting}"
+        named = "; give them by name" * ("positional" in str(error))
+        remedy = f"{made_by} makes one" if made_by else f"its arguments: {fitting}{named}"
         raise InputError(f"{own}: {error}; {remedy}") from None
 
 
@@ -202,6 +203,8 @@ def _model_of(given: Any) -> Any:
 
     if isinstance(given, str | Path):
         return narrows.load_model(given)
-    if isinstance(given, narrows.Model):
+    if given is None or isinstance(given, narrows.Model):
         return given
-    return given.model if "model" in names_of(type(given)) else given
+    if "model" in names_of(type(given)):
+        return given.model
+    raise InputError(f"{shown(given)} is no model; give nw.published(name), nw.load_model(path) or the model of a fit")

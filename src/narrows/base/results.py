@@ -202,6 +202,9 @@ class BaseSummary(Aliased):
         """Describe it in words, its main result first, then its table after an empty line."""
         raise NotImplementedError
 
+    def __str__(self) -> str:
+        return self.summary()
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {shortened(self.summary())}>"
 

@@ -114,7 +114,7 @@ def _sentence(error: Exception) -> str:
         return str(error)
     if hasattr(error, "format_message"):
         message = error.format_message().replace(
-            "is not a valid float.", "is not a number; write it as 12.5, without a unit"
+            "is not a valid float.", "is not a number; write it as 12.5, or with its unit as 12.5m"
         )
         verb = getattr(error, "ctx", None)
         name, example = (f" {verb.command.name}", verb.command.epilog) if verb and verb.parent else ("", "")

@@ -16,14 +16,25 @@ from click.core import ParameterSource
 from narrows.base.errors import InputError, shown
 from narrows.base.files import PICTURES, form_of, is_stream, save_figure, to_json
 from narrows.cli.app import app
-from narrows.quantities.names import SPEED_UNITS
+from narrows.quantities.names import DEGREE, SPEED_UNITS, in_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+class Number(click.types.FloatParamType):
+    """A number, also with its unit: 600s, 40m, 10deg."""
+
+    def convert(self, value: Any, parameter: click.Parameter | None, context: click.Context | None) -> Any:
+        if parameter and parameter.name and isinstance(value, str):
+            is_angle = parameter.name.endswith("_deg")
+            number = in_si(value, "psi" if is_angle else parameter.name)
+            value = number / DEGREE if is_angle and isinstance(number, float) else number
+        return super().convert(value, parameter, context)
+
+
 TYPES: dict[type, click.ParamType[Any, Any]] = {
-    float: click.FLOAT, int: click.INT, str: click.STRING, Path: click.Path(path_type=Path),
+    float: Number(), int: click.INT, str: click.STRING, Path: click.Path(path_type=Path),
 }  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.base.results import equal_to, interval, with_error
+from narrows.base.results import Aliased, equal_to, interval, with_error
 from narrows.captive.read import Tests
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import HALF, CoefficientEstimates
@@ -111,7 +111,7 @@ class Diagnostics:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(Aliased):
     """Verdict on a coefficient."""
 
     status: str  # identified, imprecise, not separable, zero, at bound, not identifiable or not excited

@@ -38,6 +38,12 @@ class Picture(Figure):
         self.savefig(memory, format="png")
         return memory.getvalue()
 
+    def __getattr__(self, name: str) -> Any:
+        """Return an attribute of its first axes, such as ``set_title``."""
+        if name[0] == "_" or not hasattr(Axes, name):
+            raise AttributeError(f"a figure has no {name!r}")
+        return getattr(self.axes[0], name)
+
 
 _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
