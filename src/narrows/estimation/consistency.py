@@ -146,26 +146,20 @@ def consistency(
 
     Parameters
     ----------
-    model : Model
-        A model with terms of a rudder, unless the given controller needs none.
-    sensors : sequence of Sensor and RudderIndicator
-        As for ``Estimator``.
-    y, u : float [m], [m/s]
-        Offset and speed of the twins.
-    twins, duration : int, float [s]
-        Number of twins, and duration of each.
+    model, sensors, waterway, **filtering : Model, sequence of Sensor and RudderIndicator, Waterway, Any
+        As for ``Estimator``; the model has a rudder unless the given controller needs none.
+    x, y, u : float [m], [m], [m/s]
+        Start along the waterway, offset and speed of the twins.
+    twins, duration, seed : int, float [s], int
+        Number of twins, duration of each, and seed of all random numbers.
     drawn : bool
         True: each twin has coefficients drawn from the covariance of the fit, to test the estimate under model error.
-    seed, x : int, float [m]
-        Seed of all random numbers, and start along the waterway.
     controller : ControlLaw, optional
-        Controller of the twins; unless given, the regulator of this offset and speed in the model's own canal.
+        Unless given, the regulator of this offset and speed in the model's own canal.
     excitation : float [rad]
         Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
         Takes time and readings and returns faulty readings: a jump, an outage, a spoof.
-    waterway, **filtering : optional
-        Waterway instead of the model's own canal, and other options of ``Estimator``.
     """
     check_count("twins", twins, 1)
     check_count("seed", seed)
@@ -219,10 +213,8 @@ def sail_twins(
     lanes = ShipLanes(filter.ship, filter.states.names, len(coefficients), filter.waterway, coefficients)
     dt = min(sensor.period for sensor in filter.sensors.values())
     times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
-    helm, process = (
-        LawOrders(filter.model, law, dt, filter.waterway),
-        replace(filter, coefficients="certain").disturbances,
-    )
+    helm = LawOrders(filter.model, law, dt, filter.waterway)
+    process = replace(filter, coefficients="certain").disturbances
     parts = max(1, math.ceil(dt / filter.step - 1e-9))
     current = float(filter.waterway.current_at(start[0])) if filter.waterway else 0.0
     means = filter.states.vector({**dict(zip(("x", "y", "u", "psi"), start, strict=True)), "current": current})

@@ -20,7 +20,6 @@ from narrows.estimation.filter_run import (
     FilterRun,
     Moment,
     Reading,
-    Readings,
     Start,
     checked_readings,
     records_of,
@@ -38,6 +37,13 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from narrows.waterway.waterway import Waterway
+
+# Notes of an estimate by the fields of an ``UpdateResult``.
+SENTENCES = {
+    "refused": "The reading of {} is too far from the prediction: refused.",
+    "surprising": "The readings of {} contradict the prediction: the model is wrong.",
+    "suspects": "The readings of {} are biased: it drifts, or is spoofed.",
+}
 
 
 @accept_aliases
@@ -223,21 +229,15 @@ class Estimator(BaseSummary):
     ) -> Estimate:
         nis = {name: square for result in results for name, square in result.nis.items()}
         faults = tuple(sorted(self._bank.faults))
-        refused, surprising, drifting = (
-            [name for result in results for name in getattr(result, kind)]
-            for kind in ("refused", "surprising", "suspects")
-        )
-        sentences = {
-            "The reading of {} is too far from the prediction: refused.": refused,
-            "The readings of {} contradict the prediction: the model is wrong.": surprising,
-            "The readings of {} are biased: it drifts, or is spoofed.": drifting,
-            "{}": [self._verdict] * bool(self._verdict),
-        }
-        notes += [sentence.format(" and ".join(names)) for sentence, names in sentences.items() if names]
+        named = {kind: [name for result in results for name in getattr(result, kind)] for kind in SENTENCES}
+        notes += [words.format(" and ".join(named[kind])) for kind, words in SENTENCES.items() if named[kind]]
+        notes += [self._verdict] * bool(self._verdict)
         if not faults:
             self._verdict = ""
-        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))
-        return Estimate(t, self.filter.states, joint, ready, nis, tuple(refused), suspects, tuple(notes), faults)
+        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *named["suspects"]]))
+        return Estimate(
+            t, self.filter.states, joint, ready, nis, tuple(named["refused"]), suspects, tuple(notes), faults
+        )
 
 
 def smoothed_track(filter: ShipFilter, records: "pd.DataFrame", notes: tuple[str, ...]) -> EstimatedTrack:
@@ -247,53 +247,38 @@ def smoothed_track(filter: ShipFilter, records: "pd.DataFrame", notes: tuple[str
     refused, suspected = ({name: np.zeros(count, bool) for name in filter.sensors} for _ in range(2))
     rest = dict(zip(filter.actuators, joint.at_rest, strict=True))
     held = records[list(filter.actuators)].ffill().fillna(rest).to_numpy()
-    start, run, times = Start(joint), None, records.index.to_numpy()
-    # Filter runs between resets, with the rows of the records and the places of their moments in the run's history.
-    runs: list[tuple[FilterRun, list[tuple[int, int]]]] = []
-    for t, readings, rows, row in _events(joint, records):
-        at = np.array([np.interp(t, times, column) for column in held.T])
-        if run and run.advance(t, at, readings):
-            for result in run.results:
-                for flags, names in ((refused, result.refused), (suspected, result.suspects)):
-                    for name in names:
-                        flags[name][rows[name]] = True
-            run.results.clear()
-        else:
-            if run:
-                notes, run, start = (*notes, AGROUND.format(t)), None, Start(joint)
-            start.add(t, readings)
+    start, run, runs = Start(joint), None, list[tuple[FilterRun, dict[float, int]]]()  # Each with its times and rows
+    for row, (t, readings) in enumerate(rows_of(records, filter.sensors, ())):
+        if run and not run.update(t, readings, held[row], []):
+            notes, run, start = (*notes, AGROUND.format(t)), None, Start(joint)
+        if run is None:
+            for name, reading in readings.items():
+                start.add(t - filter.sensors[name].delay, {name: reading})
             if start.missing:
                 continue
-            run = FilterRun(joint, [Moment(t, start.state(t), at, {}, joint.monitor())], 0.0, math.inf)
-            runs.append((run, []))
-        if row >= 0:
-            runs[-1][1].append((row, len(run.history) - 1))
+            run = FilterRun(joint, [Moment(t, start.state(t), held[row], {}, joint.monitor())], math.inf, math.inf)
+            runs.append((run, {}))
+        for result in run.results:
+            for flags, names in ((refused, result.refused), (suspected, result.suspects)):
+                for name in names:
+                    flags[name][row] = True
+        runs[-1][1][t] = row
     if not runs:
         raise start.refusal()
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
-    for run, places in runs:
+    for run, rows in runs:
         back = smoothed([step for moment in run.history for step in moment.steps], run.last.state)
         until = np.cumsum([len(moment.steps) for moment in run.history])
-        for row, moment in places:
-            mean[row], covariance[row] = back[until[moment]][0][:size], back[until[moment]][1][:size, :size]
+        for moment, place in zip(run.history, until, strict=True):
+            if (row := rows.get(moment.t, -1)) >= 0:
+                mean[row], covariance[row] = back[place][0][:size], back[place][1][:size, :size]
     known = np.isfinite(mean[:, 0])
     mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
     refused, suspected = ({name: flag[known] for name, flag in by.items()} for by in (refused, suspected))
-    t, ready = times[known], np.ones(known.sum(), bool)
+    t, ready = records.index.to_numpy()[known], np.ones(known.sum(), bool)
     return EstimatedTrack(
         t, mean[known], covariance[known], filter.states.names, ready, refused, suspected, True, notes
     )
-
-
-def _events(filter: ShipFilter, records: "pd.DataFrame") -> list[tuple[float, Readings, dict[str, int], int]]:
-    """Times of measurement in order: the readings, their rows, and the row that needs the state there, or -1."""
-    found: dict[float, tuple[Readings, dict[str, int], int]] = {}
-    for row, (t, measured) in enumerate(rows_of(records, filter.sensors, ())):
-        found[t] = (*found.get(t, ({}, {}))[:2], row)
-        for name, reading in measured.items():
-            readings, rows, _ = found.setdefault(t - filter.sensors[name].delay, ({}, {}, -1))
-            readings[name], rows[name] = reading, row
-    return [(t, *found[t]) for t in sorted(found)]
 
 
 def smoothed(steps: Sequence[MotionStep], last: Gaussian) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -50,7 +50,7 @@ class Gaussian(NamedTuple):
 
 
 MOTIONS = {"surge": "u", "sway": "v", "yaw": "r"}  # States of the motions whose walks are given
-RESTING = {"bank": 1.0}  # Default values of states that are omitted or unknown; the others are 0
+RESTING = {**dict.fromkeys(STATES, 0.0), "bank": 1.0}  # Values of states that are omitted or unknown
 
 
 @dataclass(frozen=True)
@@ -70,22 +70,15 @@ class StateNames:
 
 
 class Columns:
-    """States at many points, one column each, for sensors."""
-
-    bank: np.ndarray | float = 1.0
-    current: np.ndarray | float = 0.0
-    current_across: np.ndarray | float = 0.0
-    rudder_bias: np.ndarray | float = 0.0
-    x: np.ndarray
-    y: np.ndarray
-    psi: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    r: np.ndarray
+    """States at many points, one column each, for sensors; the default of a state that is omitted."""
 
     def __init__(self, points: np.ndarray, names: StateNames, curvature: float = 0.0) -> None:
+        self.__dict__.update(RESTING, curvature=curvature)
         self.__dict__.update(zip(names.names, points.T, strict=False))
-        self.curvature = curvature
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
 
 class MarkovProcess:
@@ -249,9 +242,12 @@ class EstimatedTrack(Tabulated):
         """The estimates of a state."""
         return np.asarray(self.mean[:, self.states.index(name)])
 
+    @property
+    def _median_std(self) -> dict[str, float]:
+        return dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
+
     def summary(self) -> str:
-        std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
-        by = "all readings" if self.smoothed else "the readings until then"
+        std, by = self._median_std, "all readings" if self.smoothed else "the readings until then"
         lines = [
             f"{len(self.t)} times from {self.t[0]:g} to {self.t[-1]:g} s, each by {by}; the offset is known to "
             f"{1.96 * std['y']:.2g} m (95 %), the heading to {np.degrees(1.96 * std['psi']):.2g} deg."
@@ -262,11 +258,11 @@ class EstimatedTrack(Tabulated):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         counts = {"times": len(self.t), "ready": int(self.ready.sum()), "smoothed": self.smoothed}
         flags = {"refused": self.refused, "suspected": self.suspected}
         flagged = {what: {name: int(flag.sum()) for name, flag in by.items()} for what, by in flags.items()}
-        return {"median_std": std, **counts, **flagged, "summary": self.summary(), "notes": list(self.notes)}
+        words = {"summary": self.summary(), "notes": list(self.notes)}
+        return {"median_std": self._median_std, **counts, **flagged, **words}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return one row per time: states and their standard deviations."""

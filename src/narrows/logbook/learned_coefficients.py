@@ -152,18 +152,17 @@ def learned_model(
 ) -> tuple[Model, dict[str, LearnedCoefficient]]:  # fmt: skip
     # values (n,); covariance (n, n); offsets [m] and speeds [m/s] of the record
     before, after = (np.sqrt(np.maximum(np.diag(each), 0.0)) for each in (np.asarray(prior.covariance), covariance))
-    columns = zip(prior.terms.terms, *(part.tolist() for part in (before, values, after)), strict=True)
-    learned = {
-        term.name: LearnedCoefficient(
+    learned, verdicts = dict[str, LearnedCoefficient](), dict[str, str]()
+    for term, known, value, std in zip(
+        prior.terms.terms, *map(np.ndarray.tolist, (before, values, after)), strict=True
+    ):
+        own = LearnedCoefficient(
             term.name, term.dimension.unit, prior.coefficients[term.name], known, value, std, term.from_bank
         )
-        for term, known, value, std in columns
-    }
-    by_record = {True: f"{UNRESOLVED} by the ship's own record", False: IDENTIFIED}
-    verdicts = {
-        name: "contradicted by the ship's own record" if contradicted else by_record[UNRESOLVED in c.verdict]
-        for name, c in learned.items() if c.status == LEARNED
-    }  # fmt: skip
+        learned[term.name] = own
+        if own.status == LEARNED:
+            doubt = "contradicted" if contradicted else UNRESOLVED if UNRESOLVED in own.verdict else ""
+            verdicts[term.name] = f"{doubt} by the ship's own record" if doubt else IDENTIFIED
     model = replace(
         prior,
         coefficients=Named({name: c.value for name, c in learned.items()}),
@@ -206,15 +205,14 @@ RUDDER_ASYMMETRIES = ((STRAIGHTENING, 0.2), (RUDDER_EVEN, 0.05))
 ACCELERATIONS = ("udot", "vdot", "rdot")
 # Least eigenvalue of a correlation matrix over its largest [1]: a floor for coefficients that are fully correlated.
 RANK = 1e-9
-NO_PRIOR = (
-    "this model has no covariance of its coefficients, so a record has no prior; identify it from tests, "
-    "or for a log state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
-)
 
 
 def check_covariance(model: Model) -> None:
     if model.covariance is None:
-        raise InputError(NO_PRIOR)
+        raise InputError(
+            "this model has no covariance of its coefficients, so a record has no prior; identify it from tests, or "
+            "for a log state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
+        )
 
 
 def with_spread(model: Model, spread: Spread | None) -> Model:

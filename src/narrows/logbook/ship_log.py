@@ -231,11 +231,9 @@ class ShipLog(BaseResult):
     def to_dict(self) -> dict[str, Any]:
         return {
             "records": {
-                record.name: {
-                    "start": record.start, "stop": record.stop, "antenna": list(record.antenna),
-                    "condition": dict(record.condition), "values": {name: len(record[name]) for name in record},
-                }
-                for record in self.records
+                own.name: {"start": own.start, "stop": own.stop, "antenna": list(own.antenna),
+                           "condition": dict(own.condition), "values": {name: len(own[name]) for name in own}}
+                for own in self.records
             },
             "waterway": self.waterway.name if self.waterway else None,
             "signals": {name: SIGNALS[name].unit for name in self.counts},

@@ -131,19 +131,15 @@ def predict_information(
 
     Parameters
     ----------
-    model : Model
-        Model of the ship at its own size, with a rudder and a covariance.
-    waterway : Waterway, optional
-        Instead of the model's own canal.
+    model, waterway : Model, Waterway
+        The ship at its own size, with a rudder and a covariance; a waterway instead of the model's own canal.
     sensors, transits : str or SensorGrade, int or sequence of int
         ``rtk``, ``vdr``, ``ais``, or your own; numbers of transits to predict for.
     u, duration : float [m/s], [s], optional
         Speed through the water, by default one that the canal and the tests allow; duration of a transit, by default 40
         minutes, or the waterway's length to an hour.
-    targets : sequence of str
-        Coefficients of interest, by default those of the bank.
-    conditions, seed : TransitConditions, int
-        Wind, gusts, wander of the aim; seed of these.
+    targets, conditions, seed : sequence of str, TransitConditions, int
+        Coefficients of interest, by default those of the bank; wind, gusts, wander of the aim, and seed of these.
     """
     check_rudder(model)
     check_covariance(model)
@@ -161,17 +157,16 @@ def predict_information(
         )
     plan = _plan(model, waterway, u, duration, conditions)
     sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
-    now = {name: float(sizes[name]) for name in names}
-    std, seeds = list[list[list[float]]](), range(seed, seed + settings.SIMULATED_TRANSITS)
+    std, seeds = [], range(seed, seed + settings.SIMULATED_TRANSITS)
     with bar(len(seeds), is_shown(), "transits") as done:
         for number in seeds:
             record = recorded(f"transit {number}", plan.sailed(number), grade, number, current=0.0)
             setup = log_problem(model, ShipLog((record,), waterway), grade, gusts=True)
             one = expected_information(setup, push @ push.T, conditions.gust_time)
-            after = [expected_std(setup.problem, count * one) for count in counts]
-            std.append([[each[name] for each in after] for name in names])
+            std.append([[expected_std(setup.problem, count * one)[name] for count in counts] for name in names])
             done(1)
     found = dict(zip(names, np.median(std, axis=0), strict=True))
+    now = {name: float(sizes[name]) for name in names}
     return InformationForecast(counts, names, found, now, model, grade, conditions, plan.u, plan.duration)
 
 

@@ -99,10 +99,6 @@ class Checked(NamedTuple):
     waterway: Waterway | None  # Line of x and y
     pace: float  # Time of the way of a ship length [s]
 
-    @classmethod
-    def of(cls, record: ShipRecord, model: Model, waterway: Waterway | None) -> "Checked":
-        return cls(record, model, waterway, model.configuration.ship.length / speed_of(record))
-
     def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:
         return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
 
@@ -227,37 +223,33 @@ def check_log(
 
     Parameters
     ----------
-    log, model : ShipLog, StreamedLog, ShipRecord, sequence of them, table, voyage or path; Model
-        Records of the ship, and a model of it at its size.
-    waterway : Waterway, optional
-        Line of x and y, and banks; default: the log's own.
-    sensors, spread : str or SensorGrade; float or mapping of str to float, optional
-        As for ``learn``; a tenth of each coefficient where the model has no covariance.
+    log, model, waterway, sensors, spread : Any
+        As for ``learn``; the spread is a tenth of each coefficient where the model has no covariance.
     """
     log = log_records(log, waterway)
     water = getattr(log, "waterway", None) if waterway is None else waterway
-    findings, good, count = list[Finding](), list[ShipRecord](), 0
+    findings, good, count = list[Finding](), list[Checked](), 0
     for count, whole in enumerate(log, start=1):
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         try:
-            at = Checked.of(record, model, water)
+            at = Checked(record, model, water, model.configuration.ship.length / speed_of(record))
             found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
         except InputError as error:
             words = str(error)
             found = [Finding("missing", record.name, words.rpartition("; ")[0] or words, MISSING_REMEDY)]
         findings += found
         if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
-            twice = record.name in {other.name for other in good}
-            good.append(replace(record, name=f"{record.name} ({count})") if twice else record)
+            twice = record.name in {other.record.name for other in good}
+            good.append(at._replace(record=replace(record, name=f"{record.name} ({count})")) if twice else at)
     if not count:
         raise InputError("there is no record to check; give one or more")
     if good:
-        checked = ShipLog(tuple(good), water)
+        checked = ShipLog(tuple(at.record for at in good), water)
         spread = settings.CHECKED_SPREAD if spread is None and model.covariance is None else spread
         with stage("checking the records"):
             findings += _by_filter(checked, model, sensors, spread)
         if not any(one.wrong for one in findings):  # A hull in a bank is a consequence of other faults.
-            findings += [one for record in good for one in check_place(Checked.of(record, model, water))]
+            findings += [one for at in good for one in check_place(at)]
     return LogFindings(tuple(findings), count)
 
 
@@ -282,7 +274,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
         evidence = {"log_likelihood_ratio": gain / 2} if better else {"factor": other.factor}
         yield Finding(" and ".join(other.signals[:2]), where, other.sentence + better, other.remedy, evidence)
     else:
-        gusty = setup.assumptions.gusts
+        gusty = setup.gusts
         pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
         yield from _tested(setup, pushed, grids, where)
 

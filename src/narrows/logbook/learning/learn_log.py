@@ -79,7 +79,7 @@ def learn(
         why = " ".join(setup.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
     piloted = None
-    if setup.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
+    if setup.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
         joint = posed(pilot=True)
         with stage("fitting the records with a pilot"):
             piloted = search(joint.problem, joint, scaled=found.scaled)
@@ -122,7 +122,7 @@ def log_result(
     assumed = _assumptions(found.problem, free)
     about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
              *(stopped,) * found.interrupted)  # fmt: skip
-    source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
+    source = _source(posed.log, posed.grade.name, prior, len(answers))
     return LogFit(
         replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
         after.freedom, after.probability, about, found.converged,
@@ -152,10 +152,9 @@ def _gusts(found: SearchResult) -> Gusts | None:
     problem, model = found.problem, found.problem.model_at(found.unknowns)
     if SWAY not in model.gusts:
         return None
-    usual = {one.name: one for one in problem.model.processes}
-    sway, yaw = ({one.name: one for one in model.processes}[name] for name in (SWAY, YAW))
-    strength = max(one.std / usual[one.name].std for one in (sway, yaw))
-    return Gusts(sway.std, yaw.std, sway.memory, model.correlation, float(strength))
+    usual, now = ({one.name: one for one in each.processes} for each in (problem.model, model))
+    strength = max(now[name].std / usual[name].std for name in (SWAY, YAW))
+    return Gusts(now[SWAY].std, now[YAW].std, now[SWAY].memory, model.correlation, float(strength))
 
 
 def _noise(found: SearchResult) -> dict[str, SignalNoise]:

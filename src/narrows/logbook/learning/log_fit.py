@@ -188,16 +188,12 @@ def nomoto_errors(grids: Iterable[RecordGrid], time: float) -> list[float]:
     return missed.tolist()
 
 
-IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note on models without bank terms
-INERTIA = "Motion determines only forces over inertia: inertia keeps its prior."
 CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
 # Ratio of disturbances to prior gusts [1] that gusts do not explain: 5 % of twins with gusts alone exceed 5; 90 % of
 # twins that another ship passes every ten minutes exceed 17.
 UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
 MOVED_STDS = 3.0  # Change from which a contradiction names a coefficient [prior standard deviations]
-# Fields of each record in ``to_dict``.
-RECORD_FIELDS = ("name", "duration", "zeros", "information", "whole")
 
 
 class Gusts(NamedTuple):
@@ -245,8 +241,9 @@ class LogFit(LearnedAnswer):
     @property
     def notes(self) -> tuple[str, ...]:
         """Contradictions, assumptions, and left-out records."""
-        open_water = (IN_OPEN_WATER,) * (not self.prior.has_bank)
-        return (*self._doubts, INERTIA, *self.about, *open_water, ON_TWINS)
+        inertia = "Motion determines only forces over inertia: inertia keeps its prior."
+        open_water = "Learning in open water is tested against measured manoeuvres."
+        return (*self._doubts, inertia, *self.about, *(() if self.prior.has_bank else (open_water,)), ON_TWINS)
 
     @property
     def _doubts(self) -> tuple[str, ...]:
@@ -319,7 +316,7 @@ class LogFit(LearnedAnswer):
             "gusts": None if self.gusts is None else self.gusts._asdict(),
             "noise": {name: {"size": left.size, "outliers": left.beyond} for name, left in self.noise.items()},
             "records": [
-                {name: getattr(r, name) for name in RECORD_FIELDS}
+                {name: getattr(r, name) for name in ("name", "duration", "zeros", "information", "whole")}
                 | {"missed": {name: {"before": old, "after": new} for name, (old, new) in r.forecast_rmse.items()}}
                 for r in self.records
             ],

@@ -61,10 +61,7 @@ USUALLY_CORRELATED = 60.0  # Readings for each independent one where a model's o
 BASIN = SensorGrade(
     "basin",
     "a towing tank: no wind, no current, noise estimated from the records",
-    {
-        **{name: SignalGrade(1e-6) for name in READ},
-        RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
-    },
+    {**{name: SignalGrade(1e-6) for name in READ}, RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE)},
 )
 LOOKED_AT = 50  # Records by which it is seen what a log holds
 # Share of readings that differ from the one before, above which rounding leaves a white error [1].
@@ -84,90 +81,15 @@ UNGRADED = {
 
 
 @dataclass(frozen=True)
-class LogAssumptions:
+class LogSetup:
+    log: Iterable[ShipRecord]  # That can be gone through again and again
     grade: SensorGrade
     gusts: bool  # Whether pushes with a memory act
-    surge: str  # Whether the speed is integrated
     pilot: bool  # Whether the rudder follows what a pilot sees
     signals: set[str]  # Signals of the first records
     rounding: Mapping[str, tuple[float, float]]  # Standard deviation and memory [s] of the rounding error of signals
-    length: float  # Length of the ship [m]
-    u: float  # Usual speed [m/s]
-
-    def step(self, u: float) -> float:
-        return float(f"{(STEP if self.gusts else BASIN_STEP) * self.length / u:.2g}")
-
-    @property
-    def in_basin(self) -> bool:
-        return self.grade.name == BASIN.name
-
-    @property
-    def lacks_revolutions(self) -> bool:
-        """True if propeller revolutions are unknown: not recorded, and not those of a tank's tests."""
-        return "revolutions" not in self.signals and not self.in_basin
-
-    def problem(self, motion: RecordedMotion, prior: CoefficientPrior, inertia: np.ndarray) -> LogProblem:
-        along = {"X": self.u**2 / self.length} if self.surge == "free" else {}
-        sizes = {**along, "Y": self.u**2 / self.length, "N": (self.u / self.length) ** 2}
-        noise = self._noise()
-        gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
-        names = tuple(one.name for one in gusts)
-        processes = [*gusts, *self._errors(motion, noise)]
-        estimated = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in names]
-        if gusts:
-            processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
-            estimated.append(Estimated("memory", names, SPREAD_OF_MEMORY))
-            estimated.append(Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION))
-        estimated += [Estimated("noise", (name,), BASIN_SPREAD if self.in_basin else SPREAD_OF_NOISE) for name in noise]
-        model = StochasticModel(tuple(processes), noise, tuple(estimated), gusts=names)
-        if self.pilot and RUDDER in self.signals:
-            model = model.with_pilot(self.length, self.u)
-        return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
-
-    def _noise(self) -> dict[str, float]:
-        """Noise of the grade; in a basin the usual model error, to begin with."""
-        read = [name for name in READ if name in self.signals]
-        if not self.in_basin:
-            return {name: self._grade(name).noise for name in read}
-        place, angle = USUALLY_LEFT * self.length, USUALLY_LEFT * 4
-        sizes = {"x": place, "y": place, "psi": angle, "course": angle, "r": USUALLY_LEFT * 5 * self.u / self.length}
-        return {name: sizes.get(name, USUALLY_LEFT * 2 * self.u) for name in read}
-
-    def _grade(self, name: str) -> SignalGrade:
-        """The grade of a signal; of one that the sensors are not said to have, that of the nearest."""
-        nearest = {"u_ground": "u", "speed_over_ground": "u", "course": "psi", "v_ground": "u", "v": "u"}
-        graded = self.grade.signals
-        return graded.get(name) or graded.get(nearest.get(name, name)) or UNGRADED[name]
-
-    def _errors(self, motion: RecordedMotion, noise: Mapping[str, float]) -> list[Process]:
-        found = []
-        if RUDDER in self.signals:
-            rudder = self._grade(RUDDER)
-            white = rudder.noise * np.sqrt(rudder.period / self.step(self.u))
-            found += [Process("rudder_noise", OFFSET(RUDDER), white, 0.0)]
-            found += [Process(OFFSET(RUDDER), OFFSET(RUDDER), rudder.zero, np.inf)]
-        if "revolutions" in motion.positions and self.lacks_revolutions:
-            usual = SPREAD_OF_REVOLUTIONS * motion.positions["revolutions"]
-            found.append(Process(OFFSET("revolutions"), OFFSET("revolutions"), usual, np.inf))
-        for name in noise:
-            grade = self._grade(name)
-            found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
-            if name in self.rounding:
-                found.append(Process(f"{name}_rounding", ERROR(name), *self.rounding[name]))
-            if name != "x":
-                found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
-        if self.signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and not self.in_basin:
-            axes = CURRENTS[:1] if motion.model.has_bank else CURRENTS
-            found += [Process(name, name, SPREAD_OF_CURRENT, np.inf) for name in axes]
-        return [one for one in found if one.std > 0]
-
-
-@dataclass(frozen=True)
-class LogSetup:
-    problem: LogProblem  # With the prior
-    log: Iterable[ShipRecord]  # That can be gone through again and again
-    assumptions: LogAssumptions
-
+    motion: RecordedMotion
+    prior: CoefficientPrior
     left_out: dict[str, None] = field(default_factory=dict)  # Records that could not be laid out so far, and why
 
     def __iter__(self) -> Iterator[RecordGrid]:
@@ -188,7 +110,7 @@ class LogSetup:
                     self.left_out[f"{error}."] = None
 
     def _grid(self, record: ShipRecord) -> RecordGrid:
-        usual, ship = self.problem.motion.positions, self.problem.prior.model.configuration.ship
+        usual, ship = self.motion.positions, self.motion.model.configuration.ship
         if RUDDER in usual and not (RUDDER in record and len(record[RUDDER])):
             raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
         if abs(record.condition.get("draft", ship.draft) / ship.draft - 1) > OTHER_DRAFT:
@@ -196,7 +118,76 @@ class LogSetup:
                 f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of "
                 f"{ship.draft:.3g} m: leave it out, or give a model of that draft"
             )
-        return grid_of(record, self.assumptions.step(speed_of(record)), usual, self.assumptions.pilot)
+        return grid_of(record, self._step(speed_of(record)), usual, self.pilot)
+
+    def _step(self, u: float) -> float:
+        return float(f"{(STEP if self.gusts else BASIN_STEP) * self.motion.model.configuration.ship.length / u:.2g}")
+
+    @cached_property
+    def problem(self) -> LogProblem:
+        """Return the problem with the prior."""
+        u, length = self.motion.choices["u"], self.motion.model.configuration.ship.length
+        along = {"X": u**2 / length} if self.motion.choices["surge"] == "free" else {}
+        sizes = {**along, "Y": u**2 / length, "N": (u / length) ** 2}
+        noise = self._noise(length, u)
+        gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
+        names = tuple(one.name for one in gusts)
+        processes = [*gusts, *self._errors(noise, u)]
+        estimated = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in names]
+        if gusts:
+            processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
+            estimated.append(Estimated("memory", names, SPREAD_OF_MEMORY))
+            estimated.append(Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION))
+        spread = BASIN_SPREAD if self.grade.name == BASIN.name else SPREAD_OF_NOISE
+        estimated += [Estimated("noise", (name,), spread) for name in noise]
+        model = StochasticModel(tuple(processes), noise, tuple(estimated), gusts=names)
+        if self.pilot and RUDDER in self.signals:
+            model = model.with_pilot(length, u)
+        inertia = push_inertia(self.prior, u, self.motion.choices.get("surge_inertia"))
+        return LogProblem(self.motion, self.prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
+
+    def _noise(self, length: float, u: float) -> dict[str, float]:
+        """Noise of the grade; in a basin the usual model error, to begin with."""
+        read = [name for name in READ if name in self.signals]
+        if self.grade.name != BASIN.name:
+            return {name: self._grade(name).noise for name in read}
+        place, angle = USUALLY_LEFT * length, USUALLY_LEFT * 4
+        sizes = {"x": place, "y": place, "psi": angle, "course": angle, "r": USUALLY_LEFT * 5 * u / length}
+        return {name: sizes.get(name, USUALLY_LEFT * 2 * u) for name in read}
+
+    def _grade(self, name: str) -> SignalGrade:
+        """The grade of a signal; of one that the sensors are not said to have, that of the nearest."""
+        nearest = {"u_ground": "u", "speed_over_ground": "u", "course": "psi", "v_ground": "u", "v": "u"}
+        graded = self.grade.signals
+        return graded.get(name) or graded.get(nearest.get(name, name)) or UNGRADED[name]
+
+    def _errors(self, noise: Mapping[str, float], u: float) -> list[Process]:
+        found, positions = [], self.motion.positions
+        if RUDDER in self.signals:
+            rudder = self._grade(RUDDER)
+            white = rudder.noise * np.sqrt(rudder.period / self._step(u))
+            found += [Process("rudder_noise", OFFSET(RUDDER), white, 0.0)]
+            found += [Process(OFFSET(RUDDER), OFFSET(RUDDER), rudder.zero, np.inf)]
+        if "revolutions" in positions and lacks_revolutions(self.signals, self.grade):
+            usual = SPREAD_OF_REVOLUTIONS * positions["revolutions"]
+            found.append(Process(OFFSET("revolutions"), OFFSET("revolutions"), usual, np.inf))
+        for name in noise:
+            grade = self._grade(name)
+            found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
+            if name in self.rounding:
+                found.append(Process(f"{name}_rounding", ERROR(name), *self.rounding[name]))
+            if name != "x":
+                found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
+        over_ground = {"u_ground", "v_ground", "speed_over_ground", "course", "x"}
+        if self.signals & over_ground and self.grade.name != BASIN.name:
+            axes = CURRENTS[:1] if self.motion.model.has_bank else CURRENTS
+            found += [Process(name, name, SPREAD_OF_CURRENT, np.inf) for name in axes]
+        return [one for one in found if one.std > 0]
+
+
+def lacks_revolutions(signals: set[str], grade: SensorGrade) -> bool:
+    """Return whether propeller revolutions are unknown: not recorded, and not those of a tank's tests."""
+    return "revolutions" not in signals and grade.name != BASIN.name
 
 
 def log_problem(
@@ -204,8 +195,7 @@ def log_problem(
     gusts: bool | None = None, asymmetry: bool | None = None, waterway: Waterway | None = None, pilot: bool = False,
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
-    records = log_records(log, waterway)
-    grade = sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
+    records, grade = log_records(log, waterway), sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
     signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
@@ -216,22 +206,25 @@ def log_problem(
         speeds.append(speed_of(record))
     if not speeds:
         raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
-    length, u = model.configuration.ship.length, float(np.median(speeds))
-    assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, signals, rounding, length, u)
-    model = with_spread(model, spread)
+    u, model = float(np.median(speeds)), with_spread(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
         model = with_asymmetry(model, u)
     if free:
         learnable(model, tuple(free))
-    prior = coefficient_prior(model, surge, free)
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if water := waterway or getattr(records, "waterway", None):
         check_along_only(water, "learning")
         options |= {"waterway": water, "x": water.line.length / 2}
-    motion = RecordedMotion(model, _positions(model, assumptions), (), options)
-    inertia = push_inertia(prior, u, choices.get("surge_inertia"))
-    return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions)
+    # Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded
+    values, followed = model.configuration.values(), {RUDDER, "revolutions"} | signals
+    if lacks_revolutions(signals, grade):
+        values["revolutions"] = steady_revolutions(model, u) or values.get("revolutions", 0.0)
+    positions = {own.name: float(values.get(own.name) or 0.0) for own in model.terms.actuators if own.name in followed}
+    motion = RecordedMotion(model, positions, (), options)
+    return LogSetup(
+        records, grade, gusty, pilot and gusty, signals, rounding, motion, coefficient_prior(model, surge, free)
+    )
 
 
 def log_records(log: Any, waterway: Waterway | None) -> Iterable[ShipRecord]:
@@ -260,18 +253,6 @@ def _rounding(signal: Signal) -> tuple[float, float]:
     # Uniform over a step; of a signal that rises steadily it is a sawtooth of period T, whose autocorrelation
     # 1 - 6 s/T (1 - s/T) begins like that of a process of memory T/6.
     return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
-
-
-def _positions(model: Model, assumed: LogAssumptions) -> dict[str, float]:
-    """Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded."""
-    values = model.configuration.values()
-    if assumed.lacks_revolutions:
-        values["revolutions"] = steady_revolutions(model, assumed.u) or values.get("revolutions", 0.0)
-    return {
-        actuator.name: float(values.get(actuator.name) or 0.0)
-        for actuator in model.terms.actuators
-        if actuator.name in (RUDDER, "revolutions") or actuator.name in assumed.signals
-    }
 
 
 def parts(record: ShipRecord) -> Iterator[ShipRecord]:

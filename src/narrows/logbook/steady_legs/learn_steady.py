@@ -77,13 +77,12 @@ class SteadyFit(LearnedAnswer):
     def notes(self) -> tuple[str, ...]:
         """Contradictions, undetermined quantities, assumptions."""
         taken = f"Assumed: {self.conditions.summary()}."
-        notes = [*self.findings, taken, *self.prior.configuration.notes]
-        if not self.contradicted:
-            notes.append(
-                "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or "
-                "longer agree, and a rudder of the wrong sign may; see to ship, draft and signs."
-            )
-        return (*notes, ON_TWINS)
+        agreeing = (
+            "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer "
+            "agree, and a rudder of the wrong sign may; see to ship, draft and signs."
+        )
+        doubt = () if self.contradicted else (agreeing,)
+        return (*self.findings, taken, *self.prior.configuration.notes, *doubt, ON_TWINS)
 
     def summary(self) -> str:
         agree = (
@@ -142,9 +141,8 @@ def learn_steady(model: Model, observations: Any, *, conditions: SteadyCondition
     check_covariance(model)
     conditions = conditions or SteadyConditions()
     readings = steady_readings(observations, conditions)
-    canal, ship = model.configuration.canal, model.configuration.ship
     read = readings.values
-    check_inside(read["y"], canal.width, ship.beam)
+    check_inside(read["y"], model.configuration.canal.width, model.configuration.ship.beam)
     problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
     found = problem.fit()
     probability = float(chdtrc(found.counted, max(found.chi_square, 0.0)))

@@ -15,12 +15,7 @@ from narrows.control.steady_course import check_inside, check_rudder, steady_cou
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficients import ON_TWINS, check_covariance, coefficient_prior, learnable, log_posterior
 from narrows.logbook.steady_legs.learn_steady import LegProblem
-from narrows.logbook.steady_legs.steady_readings import (
-    READ,
-    SteadyConditions,
-    SteadyReadings,
-    reading_error,
-)
+from narrows.logbook.steady_legs.steady_readings import READ, SteadyConditions, SteadyReadings, reading_error
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
@@ -124,16 +119,12 @@ def plan_steady(
 
     Parameters
     ----------
-    model : Model
-        Model of the ship at its own size in its canal, with a rudder and a covariance.
+    model, conditions : Model, SteadyConditions
+        As for ``learn_steady``.
     offsets, speeds : sequence of float [m], [m/s], optional
         Offsets to either side, and speeds through the water, that may be held.
-    legs : int
-        Number of legs; even.
-    targets : sequence of str
-        The coefficients that matter; those of the bank unless given.
-    conditions : SteadyConditions, optional
-        Errors of the readings; wind, zeros, and what is left of motion.
+    legs, targets : int, sequence of str
+        Number of legs, even; the coefficients that matter, those of the bank unless given.
     reserve, clearance : float [1], [m], optional
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     """
@@ -189,9 +180,8 @@ def held_exactly(legs: Sequence[PlannedLeg], conditions: SteadyConditions) -> St
     """Return the readings of legs held as planned at each place, to starboard and then to port."""
     both = [*legs, *(leg.mirrored() for leg in legs)]
     columns = np.array([(leg.offset, leg.speed, leg.rudder[1], leg.drift[1]) for leg in both]).reshape(-1, 4).T
-    values = dict(zip(READ, columns, strict=True))
     stated = {name: np.full(len(both), reading_error(conditions, name)) for name in READ}
-    return SteadyReadings(tuple(map(str, range(len(both)))), values, stated)
+    return SteadyReadings(tuple(map(str, range(len(both)))), dict(zip(READ, columns, strict=True)), stated)
 
 
 def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
@@ -229,11 +219,11 @@ def usual_offsets(model: Model, clearance: float) -> np.ndarray:
 def usual_speeds(model: Model) -> np.ndarray:
     """Return speeds that a canal lets a ship go, within those of its tests, (n,) [m/s]."""
     choke, covered = keel_at(model, np.empty(0)).choke, model.data_range.speed
-    if math.isinf(choke) and covered is None:
-        raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
+    if math.isinf(choke):
+        if covered is None:
+            raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
+        choke = covered[1] / settings.FASTEST_LEG
     low, high = settings.SLOWEST_LEG * choke, settings.FASTEST_LEG * choke
-    if covered and math.isinf(choke):
-        low, high = covered[1] * settings.SLOWEST_LEG / settings.FASTEST_LEG, covered[1]
     if covered and max(low, covered[0]) < min(high, covered[1]):
         low, high = max(low, covered[0]), min(high, covered[1])
     # In the second digit of knots, that a bridge can steer for.
