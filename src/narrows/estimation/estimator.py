@@ -214,12 +214,10 @@ class Estimator(BaseSummary):
         return self._estimate(now, self._last, True, notes, results)
 
     def _indicated(self, positions: dict[str, float], before: np.ndarray) -> np.ndarray:
-        """Return the positions of all actuators, unchanged without a reading."""
         both = zip(self.filter.actuators, before.tolist(), strict=True)
         return np.array([positions.get(name, last) for name, last in both], float)
 
-    def _silences(self, now: float) -> dict[str, float]:
-        """Return for how long each silent sensor has been so [s]."""
+    def _silences(self, now: float) -> dict[str, float]:  # [s]
         quiet = {name: now - self._last_reading.setdefault(name, now) for name in self.filter.sensors}
         longest = {name: settings.SILENT_PERIODS * sensor.period for name, sensor in self.filter.sensors.items()}
         return {name: time for name, time in quiet.items() if not 0.0 <= time <= longest[name]}

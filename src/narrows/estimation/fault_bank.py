@@ -89,7 +89,6 @@ class FaultBank:
         return after, said
 
     def _refusing(self, run: FilterRun, t: float) -> bool:
-        """Return whether a sensor has been refused for a long time."""
         for result in run.results:
             odd = (*result.refused, *result.surprising)
             for name in result.nis:
@@ -187,7 +186,6 @@ def _most_likely(tried: list[Hypothesis | None]) -> Hypothesis | None:
 
 
 def _still_refused(run: FilterRun) -> bool:
-    """Return whether a sensor contradicts a run until its end."""
     names = {name for result in run.results for name in result.nis}
     recent = {name: [one for one in run.results if name in one.nis][-int(settings.REFUSED_PERIODS) :] for name in names}
     return any(all(name in (*one.refused, *one.surprising) for one in last) for name, last in recent.items())

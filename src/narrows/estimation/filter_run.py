@@ -231,7 +231,6 @@ class Start:
         return InputError(f"these records lack {self.missing}; {what}")
 
     def state(self, t: float) -> Gaussian:
-        """Return the state at a time from the readings and the priors."""
         filter, known = self.filter, self.values()
         names, places = filter.states.names, filter.states.places
         current = float(filter.waterway.current_at(known["x"][0])) if filter.waterway else 0.0

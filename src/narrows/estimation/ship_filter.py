@@ -142,8 +142,7 @@ class ShipFilter:
         return tuple(actuator.name for actuator in self.ship.actuators)
 
     @cached_property
-    def at_rest(self) -> np.ndarray:
-        """Positions of the actuators before any reading, (actuators,)."""
+    def at_rest(self) -> np.ndarray:  # (actuators,)
         values = self.ship.values()
         return np.array([float(values.get(name) or 0.0) for name in self.actuators])
 
@@ -155,7 +154,6 @@ class ShipFilter:
 
     @cached_property
     def spreads(self) -> dict[str, float]:
-        """Standard deviations of the states before any reading."""
         prior, rudder = self.prior, self.indicator.bias if RUDDER in self.actuators else 0.0
         return {
             "v": prior.sway, "r": prior.yaw_rate, "bank": prior.bank, "current": prior.current,
@@ -190,8 +188,7 @@ class ShipFilter:
         return StateNames((*(name for name in STATES if can[name]), *self.errors))
 
     @cached_property
-    def middle(self) -> np.ndarray:
-        """Coefficients of the fit, (coefficients,)."""
+    def middle(self) -> np.ndarray:  # (coefficients,)
         return np.array([self.model.coefficients[name] for name in self.model.terms.names])
 
     @cached_property
@@ -244,7 +241,6 @@ class ShipFilter:
         return added
 
     def with_faults(self, faults: frozenset[str]) -> "ShipFilter":
-        """Return the filter with faults; each is made once."""
         if faults and faults not in self._others:
             self._others[faults] = replace(self, faults=faults)
         return self._others.get(faults, self)
@@ -346,8 +342,7 @@ class ShipFilter:
             self._layouts[names] = layout
         return self._layouts[names]
 
-    def measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:
-        """Components of sensors with their errors, (points, numbers)."""
+    def measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:  # (points, numbers)
         at = Columns(points, self.states, self.lanes.bend(float(points[0, 0])))
         values = np.empty((len(points), len(layout.noise)))
         columns = (column for name in layout.parts for column in self.sensors[name].measured(at))

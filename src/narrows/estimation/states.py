@@ -105,8 +105,7 @@ class MarkovProcess:
             self._over[duration] = np.exp(-share), noise
         return self._over[duration]
 
-    def after(self, values: np.ndarray, duration: float, random: np.random.Generator) -> np.ndarray:
-        """Draw the values after a time, (..., n)."""
+    def after(self, values: np.ndarray, duration: float, random: np.random.Generator) -> np.ndarray:  # (..., n)
         left, noise = self.over(duration)
         return np.asarray(values * left + random.standard_normal((*values.shape[:-1], len(noise))) @ noise)
 

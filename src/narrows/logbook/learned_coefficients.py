@@ -120,7 +120,6 @@ class LearnedAnswer(BaseResult):
         return pd.DataFrame(rows, columns=columns, index=pd.Index(list(known), name="coefficient"))
 
     def _learned_sentence(self, source: str) -> str:
-        """Return a sentence on learned and unchanged coefficients."""
         known = [c for c in self.coefficients.values() if c.prior_std > 0]
         sentences = [c.sentence() for c in known if c.from_bank and c.status != PRIOR]
         learned = [c.name for c in known if c.status == LEARNED and not c.from_bank]
@@ -345,7 +344,6 @@ def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
 
 
 def expected_std(problem: Unknowns, information: np.ndarray) -> dict[str, float]:
-    """Return the expected standard error of every coefficient after this information (P, P)."""
     after = log_posterior(problem, np.zeros(len(information)), information)
     return dict(zip(problem.prior.model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
 

@@ -194,8 +194,7 @@ class FaultTests:
         return cls(found, (*faults, *pooled), tuple(parts), np.array(scores))
 
     @cached_property
-    def information(self) -> np.ndarray:
-        """Information of all records with the prior, (P + F, P + F)."""
+    def information(self) -> np.ndarray:  # (P + F, P + F)
         whole, prior = np.sum(self.parts, axis=0), self.found.problem.precision
         whole[: len(prior), : len(prior)] += prior
         return np.asarray(whole)

@@ -196,7 +196,6 @@ class RecordLikelihood:
 
 
 def readings_for_one(autocovariance: np.ndarray) -> float:
-    """Return how many readings there are for each independent one [1]."""
     # Bayley and Hammersley (1946), The "effective" number of independent observations in an autocorrelated time series.
     correlation = autocovariance / max(autocovariance[0], 1e-300)
     below = np.flatnonzero(correlation < UNCORRELATED)
@@ -205,8 +204,7 @@ def readings_for_one(autocovariance: np.ndarray) -> float:
 
 def score_and_information(
     e: np.ndarray, s: np.ndarray, by_value: np.ndarray, by_variance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the slope of the log-likelihood (P,) and the information (P, P) by innovations and their variances."""
+) -> tuple[np.ndarray, np.ndarray]:  # (P,) Slope of the log-likelihood, (P, P)
     score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
     return score, (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
 

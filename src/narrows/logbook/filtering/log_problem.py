@@ -175,8 +175,7 @@ class StochasticModel:
                     processes[name] = processes[name]._replace(**{of: getattr(processes[name], of) * factor})
         return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation)
 
-    def covariance(self) -> np.ndarray:
-        """Return the stationary covariance of the processes, (m, m)."""
+    def covariance(self) -> np.ndarray:  # (m, m) Stationary
         std = np.array([one.std for one in self.processes])
         matrix, names = np.diag(std**2), [one.name for one in self.processes]
         if SWAY in names and YAW in names:
@@ -184,8 +183,7 @@ class StochasticModel:
             matrix[i, j] = matrix[j, i] = self.correlation * std[i] * std[j]
         return matrix
 
-    def kept(self, step: float) -> np.ndarray:
-        """Return the share of each process that remains after a step, (m,) [1]."""
+    def kept(self, step: float) -> np.ndarray:  # (m,) Share of each process that remains [1]
         with np.errstate(divide="ignore"):
             return np.asarray(np.exp(-step / np.array([one.memory for one in self.processes])))
 
@@ -222,8 +220,7 @@ class CoefficientPrior:
         return tuple(group[0] for group in self.groups)
 
     @cached_property
-    def members(self) -> np.ndarray:
-        """1 where a coefficient belongs to a group, else 0, (n, p)."""
+    def members(self) -> np.ndarray:  # (n, p) 1 where a coefficient belongs to a group
         return np.array([[float(name in group) for group in self.groups] for name in self.model.terms.names])
 
     @cached_property
@@ -262,8 +259,7 @@ class Unknowns:
         matrix[: self.count, : self.count] = self.prior.precision
         return matrix
 
-    def covariance(self, information: np.ndarray) -> np.ndarray:
-        """Return the covariance of all unknowns by information and prior, (P, P)."""
+    def covariance(self, information: np.ndarray) -> np.ndarray:  # (P, P)
         covariance = np.linalg.inv(information + self.precision)
         return np.asarray((covariance + covariance.T) / 2)
 
@@ -291,8 +287,7 @@ class LogProblem(Unknowns):
         return np.array([one.spread for one in self.model.estimated])
 
     @cached_property
-    def scales(self) -> np.ndarray:
-        """Scales of the ship's states: length, length, radian, speed, speed, speed over length, (6,)."""
+    def scales(self) -> np.ndarray:  # (6,) Of the ship's states
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
         return np.array([length, length, 1.0, u, u, u / length])
 
@@ -300,7 +295,6 @@ class LogProblem(Unknowns):
         return self.model.at(unknowns[self.count :])
 
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:
-        """Return the motion and the inertia at scaled coefficients (p,)."""
         key = scaled.tobytes()
         if key not in self._last:  # A motion is prepared once for all records and passes at the same coefficients.
             if len(self._last) == KEPT_MOTIONS:

@@ -117,8 +117,7 @@ class RecordGrid:
         return len(self.times) - 1
 
     @property
-    def step(self) -> float:
-        """Length of a step [s]."""
+    def step(self) -> float:  # [s]
         return float(self.times[1] - self.times[0])
 
     def times_of(self, read: Readings) -> np.ndarray:
@@ -129,12 +128,10 @@ class RecordGrid:
         return np.argsort(self._steps, kind="stable")
 
     @cached_property
-    def first_readings(self) -> np.ndarray:
-        """The first reading of each step in that order, (n + 1,)."""
+    def first_readings(self) -> np.ndarray:  # (n + 1,)
         return np.searchsorted(self._steps[self.order], np.arange(len(self) + 1))
 
     def by_signal(self, ordered: np.ndarray) -> dict[str, np.ndarray]:
-        """Return values in the order of the readings, (N,), by signal."""
         values, ends = np.empty_like(ordered), np.cumsum([len(read.values) for read in self.readings.values()])
         values[self.order] = ordered
         return dict(zip(self.readings, np.split(values, ends[:-1]), strict=True))

@@ -167,7 +167,6 @@ def _noise(found: SearchResult) -> dict[str, SignalNoise]:
 
 
 def _assumptions(problem: LogProblem, free: Sequence[str]) -> Iterator[str]:
-    """Yield a sentence on fixed coefficients, and on ship and water."""
     if free:
         yield f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients."
     model = problem.motion.model

@@ -128,15 +128,13 @@ def forecast(
     return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
 
-def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
-    """Return the root mean square heading error over a whole record, with a fitted start [rad]."""
+def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:  # [rad]
     if "psi" not in grid.readings:
         return np.nan
     motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
     ends, at, share = np.array([0, len(grid)]), read.step, read.share
 
-    def residuals_at(start: np.ndarray) -> np.ndarray:
-        """Return heading errors over READING, then the start over its standard deviations, (readings + 4,)."""
+    def residuals_at(start: np.ndarray) -> np.ndarray:  # (readings + 4,)
         begun = path.states[0].copy()
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):

@@ -125,7 +125,6 @@ class LogSetup:
 
     @cached_property
     def problem(self) -> LogProblem:
-        """Return the problem with the prior."""
         u, length = self.motion.choices["u"], self.motion.model.configuration.ship.length
         along = {"X": u**2 / length} if self.motion.choices["surge"] == "free" else {}
         sizes = {**along, "Y": u**2 / length, "N": (u / length) ** 2}

@@ -210,8 +210,7 @@ class LogReading:
         # Receivers pass on reports in any order.
         return rows.sort_values("t", kind="stable", ignore_index=True) if archive else rows
 
-    def _clock(self, frame: pd.DataFrame) -> np.ndarray:
-        """Seconds since the first row, of a column of dates and times."""
+    def _clock(self, frame: pd.DataFrame) -> np.ndarray:  # [s]
         if "time" not in frame:
             raise InputError(f"{self.table}: no column has the time; head one 't [s]', or 'time' for dates and times")
         if not len(frame):
@@ -241,8 +240,7 @@ class LogReading:
         if held:
             yield self._finished(held)
 
-    def _begins(self, piece: pd.DataFrame, label: str, last: float) -> np.ndarray:
-        """Rows with which another record begins, (rows,)."""
+    def _begins(self, piece: pd.DataFrame, label: str, last: float) -> np.ndarray:  # (rows,)
         if "record" in piece:
             names = piece["record"].to_numpy()
             return np.asarray(np.append(np.array([label], object), names[:-1])[: len(names)] != names)

@@ -262,8 +262,7 @@ class LegProblem(Unknowns):
         left_out = np.einsum("lq,lq->l", rest, np.linalg.solve(share, rest[..., None])[..., 0])
         return LegFit(unknowns, information, latent, chi_square, left_out, rest.size, converged)
 
-    def informations(self) -> np.ndarray:
-        """Return the information of each leg that is read exactly as here, (legs, P, P)."""
+    def informations(self) -> np.ndarray:  # (legs, P, P)
         design = self._linear(self._read[0][:, len(LEFT) :], np.zeros(len(self.precision)))[1]
         return np.asarray(design.swapaxes(1, 2) @ design)
 
@@ -318,8 +317,7 @@ class LegProblem(Unknowns):
                 columns[:, row, terms.names.index(term.name)] = term.column(values)
         return columns
 
-    def _slopes(self, state: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-        """Return the slopes of both forces by ``LEFT`` and ``LATENT``, (legs, 2, 7)."""
+    def _slopes(self, state: np.ndarray, coefficients: np.ndarray) -> np.ndarray:  # (legs, 2, 7)
         aside = STEP * np.eye(state.shape[1])
         ahead, behind = ([self._columns(state + sign * one) @ coefficients for one in aside] for sign in (1, -1))
         return np.asarray(np.moveaxis(np.array(ahead) - np.array(behind), 0, -1) / (2 * STEP))

@@ -120,8 +120,7 @@ class BeamWind(BaseSummary):
         check_sizes(self, over=[name for name in vars(self) if name.endswith(("_time", "_error_deg"))])
 
 
-def steady_push(conditions: BeamWind, model: Model) -> np.ndarray:
-    """Return sway force [N] and yaw moment [N m] of the wind, (2,)."""
+def steady_push(conditions: BeamWind, model: Model) -> np.ndarray:  # (2,) [N], [N m]
     length, lever = model.configuration.ship.length, conditions.wind_lever
     force = wind_force(conditions.wind, WINDAGE * length**2 if conditions.windage is None else conditions.windage)
     return np.array([force, force * (WIND_LEVER * length if lever is None else lever)])
