@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
-from narrows.logbook.steady_legs.steady_readings import reading_error, shared_errors
+from narrows.logbook.steady_readings import reading_error, shared_errors
 
 LENGTH, WIDTH, SPEED, OFFSET = 399.94, 205.0, 4.1, 5.0
 CONDITIONS = nw.SteadyConditions(

@@ -21,7 +21,7 @@ import narrows as nw
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.ship_log import VDR
-from narrows.logbook.steady_legs.plan_steady import usual_offsets
+from narrows.logbook.steady_legs import usual_offsets
 from narrows.logbook.transits import TransitTwin, drawn_truth, transits_of
 from narrows.quantities.names import KNOT
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import narrows as nw
-from narrows.logbook.steady_legs.steady_readings import steady_push
+from narrows.logbook.steady_readings import steady_push
 from narrows.logbook.transits import TransitPilot, TransitTwin, gust_push, wandering
 from narrows.simulation.initial_state import self_propulsion
 

@@ -20,7 +20,7 @@ from suez import CLEARANCES, measured
 import narrows as nw
 from narrows.control import regulator
 from narrows.logbook.settings import SETTLING
-from narrows.logbook.steady_legs.steady_readings import left_over, reading_error, shared_errors
+from narrows.logbook.steady_readings import left_over, reading_error, shared_errors
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 

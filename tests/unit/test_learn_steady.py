@@ -13,8 +13,7 @@ from scipy.optimize import least_squares
 import narrows as nw
 from engine_models import mmg, steered
 from narrows.logbook.learned_coefficients import coefficient_prior, covered_range
-from narrows.logbook.steady_legs.learn_steady import LATENT, LegProblem
-from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors, steady_readings
+from narrows.logbook.steady_readings import LATENT, UNKNOWN, LegProblem, reading_error, shared_errors, steady_readings
 
 CALM = nw.SteadyConditions(
     wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0,

@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
+from narrows.logbook.steady_legs import usual_offsets, usual_speeds
 
 CALM = nw.SteadyConditions(
     wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001,

@@ -9,8 +9,8 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.steady_legs.plan_steady import PlannedLeg, best_pairs, usual_offsets, usual_speeds
-from narrows.logbook.steady_legs.steady_readings import left_over, shared_errors, steady_push
+from narrows.logbook.steady_legs import PlannedLeg, usual_offsets, usual_speeds
+from narrows.logbook.steady_readings import best_pairs, left_over, shared_errors, steady_push
 from narrows.logbook.transits import (
     TransitConditions,
     TransitPilot,

@@ -22,8 +22,8 @@ from narrows.logbook.filtering.log_problem import SWAY, YAW
 from narrows.logbook.learned_coefficients import ON_TWINS, check_covariance, expected_std, learnable
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.ship_log import SensorGrade, ShipLog, ShipRecord, Signal, sensor_grade
-from narrows.logbook.steady_legs.plan_steady import usual_speeds
-from narrows.logbook.steady_legs.steady_readings import BeamWind, steady_push
+from narrows.logbook.steady_legs import usual_speeds
+from narrows.logbook.steady_readings import BeamWind, steady_push
 from narrows.model.model import Model
 from narrows.quantities.names import DEGREE, KNOT
 from narrows.simulation.controllers import Order, VoyageState

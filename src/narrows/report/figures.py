@@ -18,8 +18,7 @@ from narrows.estimation.states import described
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.identification.plan import Plan
 from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.steady_legs.learn_steady import SteadyFit
-from narrows.logbook.steady_legs.plan_steady import SteadyPlan
+from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
 from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
 from narrows.report.envelope_chart import envelope_along_chart, envelope_chart

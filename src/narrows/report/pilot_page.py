@@ -14,9 +14,8 @@ from narrows.base.errors import InputError
 from narrows.base.results import interval, with_error
 from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
-from narrows.logbook.steady_legs.learn_steady import SteadyFit
-from narrows.logbook.steady_legs.plan_steady import SteadyPlan
-from narrows.logbook.steady_legs.steady_readings import SHARED
+from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
+from narrows.logbook.steady_readings import SHARED
 from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT

@@ -12,7 +12,7 @@ from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
 from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GAIN, OFFSET, RUDDER, STATES
 from narrows.model.model import Model
-from narrows.simulation.controllers import Named
+from narrows.simulation.controllers import Named, WithoutMemory
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.ship import PARAMETER
 
@@ -24,8 +24,8 @@ RECORDED = "recorded_{}".format
 UNLIMITED = 1e9  # Limit and rate of what was recorded: it went where it went
 
 
-@dataclass(frozen=True)
-class RecordedHelm:
+@dataclass(frozen=True, repr=False)
+class RecordedHelm(WithoutMemory):
     """A control law that follows recorded positions, straight between the ends of the steps."""
 
     positions: Mapping[str, float]  # Positions of the recorded actuators, at the start
@@ -33,9 +33,6 @@ class RecordedHelm:
     def parameters(self) -> Mapping[str, float]:
         offsets = {OFFSET(name): 0.0 for name in self.positions}
         return {RECORDED(name): position for name, position in self.positions.items()} | offsets
-
-    def memory(self, start: Named) -> Named:
-        return {}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         return {name: getattr(at, RECORDED(name)) + getattr(at, OFFSET(name)) for name in self.positions}, {}

@@ -1,27 +1,188 @@
-"""``plan_steady``: which offsets and speeds to hold, to learn most of the bank from a few safe legs."""
+"""Steady legs: a ship is held to one side, then to the other; learn from rudder and drift, and plan which to hold."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.special import chdtrc
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_count, shown
 from narrows.base.results import Tabulated
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.logbook import settings
-from narrows.logbook.learned_coefficients import ON_TWINS, check_covariance, coefficient_prior, learnable, log_posterior
-from narrows.logbook.steady_legs.learn_steady import LegProblem
-from narrows.logbook.steady_legs.steady_readings import READ, SteadyConditions, SteadyReadings, reading_error
+from narrows.logbook.learned_coefficients import (
+    LEARNED,
+    ON_TWINS,
+    LearnedAnswer,
+    check_covariance,
+    coefficient_prior,
+    expected_std,
+    learnable,
+    learned_model,
+    log_posterior,
+)
+from narrows.logbook.steady_readings import (
+    READ,
+    SHARED,
+    UNKNOWN,
+    LegFit,
+    LegProblem,
+    SteadyConditions,
+    SteadyReadings,
+    best_pairs,
+    reading_error,
+    shared_errors,
+    steady_readings,
+)
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite
 from narrows.simulation.outcome import water_notes
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyFit(LearnedAnswer):
+    """Result of learning from steady legs."""
+
+    readings: SteadyReadings  #: The legs
+    conditions: SteadyConditions  #: Assumptions on wind, zeros and remaining motion
+    #: Common errors of all legs in SI, most likely value and standard error: ``wind_Y``, ``wind_N``, ``rudder_zero``,
+    #: ``drift_zero``, ``y_zero``
+    shared: Mapping[str, tuple[float, float]]
+    latent: np.ndarray  #: (legs, 4) Most likely state of the ship: y [m], u [m/s], rudder, psi [rad]
+    chi_square: float  #: Sum of squares of the readings over their expected errors [1]
+    freedom: int  #: Its degrees of freedom
+    probability: float  #: Probability of at least this sum if model, prior and errors are right [1]
+    leg_probabilities: Mapping[str, float]  #: The same probability of each leg, given all others
+    findings: tuple[str, ...]  #: Faults and undetermined quantities
+
+    @property
+    def contradicted(self) -> bool:
+        """True where the legs contradict the model, each other or their errors."""
+        return self.probability < settings.CONTRADICTION
+
+    @property
+    def informative(self) -> bool:
+        """True where a coefficient of the bank was learned, and nothing contradicts it."""
+        return not self.contradicted and any(c.from_bank and c.status == LEARNED for c in self.coefficients.values())
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Contradictions, undetermined quantities, assumptions."""
+        agreeing = (
+            "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer "
+            "agree, and a rudder of the wrong sign may; see to ship, draft and signs."
+        )
+        taken, doubt = f"Assumed: {self.conditions.summary()}.", () if self.contradicted else (agreeing,)
+        return (*self.findings, taken, *self.prior.configuration.notes, *doubt, ON_TWINS)
+
+    def summary(self) -> str:
+        agree = (
+            f"The legs {'contradict' if self.contradicted else 'agree with'} the model: a sum of squares of "
+            f"{self.chi_square:.1f}, {self.freedom} expected."
+        )
+        return "\n".join((self._learned_sentence(self.readings.summary()), agree, ON_TWINS))
+
+    def to_dict(self) -> dict[str, Any]:
+        prior, read = shared_errors(self.conditions, self.prior), self.readings.values
+        y, _, rudder, heading = self.latent.T
+        columns = {
+            "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
+            "direction_deg": np.degrees(read["drift"]), "likely_y": y,
+            "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
+            "probability": list(self.leg_probabilities.values()),
+        }  # fmt: skip
+        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+        return {
+            "summary": self.summary(),
+            "informative": self.informative,
+            "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
+            "shared": [
+                {"name": name, "unit": unit, "value": factor * self.shared[name][0],
+                 "std": factor * self.shared[name][1], "prior_std": factor * before}
+                for (name, (_, unit, factor)), before in zip(SHARED.items(), prior.tolist(), strict=True)
+            ],
+            **{name: getattr(self, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
+            "legs": [dict(zip(columns, row, strict=True)) for row in rows],
+            "source": {"table": self.readings.source, "sha256": self.readings.sha256},
+            "notes": list(self.notes),
+        }  # fmt: skip
+
+
+@accept_aliases
+def learn_steady(model: Model, observations: Any, *, conditions: SteadyConditions | None = None) -> SteadyFit:
+    """Learn from a ship that was held off the middle: the steady rudder and drift, to both sides.
+
+    The covariance of the model's coefficients is the prior; the balance of sway and yaw on each leg updates it. Wind
+    and the zeros of the instruments are unknown and the same on all legs; the slope over both sides cancels them.
+
+    Raises an InputError where the model has no rudder or no covariance, or the rows are no legs of this ship in this
+    canal.
+
+    Parameters
+    ----------
+    model : Model
+        Model of the ship at its own size in the canal of the legs, with a rudder and a covariance.
+    observations : DataFrame, mapping of str to array, str or Path
+        A row a leg: y [m], u [m/s], rudder, drift (or heading), and their errors ``y_error`` and so on where they are
+        known; SI and radians unless a header has a unit (``rudder [deg]``).
+    conditions : SteadyConditions, optional
+        Sizes of wind and zeros, the remaining motion on a leg, and errors that the rows lack.
+    """
+    check_rudder(model)
+    check_covariance(model)
+    conditions = conditions or SteadyConditions()
+    readings = steady_readings(observations, conditions)
+    read = readings.values
+    check_inside(read["y"], model.configuration.canal.width, model.configuration.ship.beam)
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
+    found = problem.fit()
+    probability = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
+    each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
+    by_leg = dict(zip(readings.legs, each.tolist(), strict=True))
+    posterior = log_posterior(problem, found.unknowns, found.information)
+    after, learned = learned_model(
+        model, posterior.values, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
+        abs(read["y"]), read["u"], probability < settings.CONTRADICTION,
+    )  # fmt: skip
+    std = np.sqrt(np.diag(problem.covariance(found.information)))
+    common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
+    shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
+    findings = tuple(_findings(problem, found, min(by_leg, key=by_leg.__getitem__), probability))
+    checks = found.chi_square, found.counted, probability, by_leg, findings
+    return SteadyFit(after, model, learned, readings, conditions, shared, found.latent, *checks)
+
+
+def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float) -> Iterator[str]:
+    read, squares = problem.readings.values, found.chi_square
+    if not read["y"].min() < 0 < read["y"].max():
+        yield "All legs are on one side of the middle: wind and zeros do not cancel; hold the other side too."
+    if probability < settings.CONTRADICTION:
+        yield (
+            f"The legs contradict the model, each other or their errors: a sum of squares of {squares:.1f} where "
+            f"{found.counted} was to be expected; leg {worst} fits worst. Hold it again, or look for a fault of an "
+            "instrument."
+        )
+    for name in ("rudder", "drift") if squares > settings.WRONG_SIGN_GAIN else ():  # Else there is nothing to be won.
+        turned = replace(problem.readings, values={**read, name: -read[name]})
+        other = replace(problem, readings=turned).fit().chi_square
+        if squares - other > settings.WRONG_SIGN_GAIN:
+            yield (
+                f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it "
+                "positive where it turns the bow to starboard, or where the bow is to starboard?"
+            )
+    if not found.converged:
+        yield "The search for the true states of the legs did not converge; give smaller errors of y and u."
+    asked, covered = {"speed": read["u"], "abs_y": np.abs(read["y"])}, problem.model.data_range
+    yield from extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
+    yield "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
 @dataclass(frozen=True)
@@ -76,8 +237,8 @@ class SteadyPlan(Tabulated):
             f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
             for name in self.targets
         )
-        reach = f"Legs are allowed to {self.farthest:.3g} m off the middle."
-        return f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {gains}.\n{reach}\n{ON_TWINS}"
+        held = f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {gains}."
+        return f"{held}\nLegs are allowed to {self.farthest:.3g} m off the middle.\n{ON_TWINS}"
 
     def rows(self) -> list[dict[str, Any]]:
         """Give a row a leg, in metres, knots and degrees, with the standard errors once it is read."""
@@ -151,8 +312,8 @@ def plan_steady(
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
-    known = [log_posterior(problem, np.zeros(size), one).covariance for one in information]
-    std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
+    known = [expected_std(problem, one) for one in information]
+    std = {name: np.array([one[name] for one in known]) for name in names}
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *refused,
         f"Assumed: {conditions.summary()}.",
@@ -160,9 +321,8 @@ def plan_steady(
         "ship there, and the master decides.",
     )  # fmt: skip
     return SteadyPlan(
-        tuple(allowed[i] if sign > 0 else allowed[i].mirrored() for i, sign in held), names,
-        {name: std[name] for name in names}, model, conditions, reserve, side,
-        max((leg.offset for leg in allowed), default=0.0), notes,
+        tuple(allowed[i] if sign > 0 else allowed[i].mirrored() for i, sign in held), names, std, model, conditions,
+        reserve, side, max((leg.offset for leg in allowed), default=0.0), notes,
     )  # fmt: skip
 
 
@@ -182,29 +342,6 @@ def held_exactly(legs: Sequence[PlannedLeg], conditions: SteadyConditions) -> St
     columns = np.array([(leg.offset, leg.speed, leg.rudder[1], leg.drift[1]) for leg in both]).reshape(-1, 4).T
     stated = {name: np.full(len(both), reading_error(conditions, name)) for name in READ}
     return SteadyReadings(tuple(map(str, range(len(both)))), dict(zip(READ, columns, strict=True)), stated)
-
-
-def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
-    """Return the pairs of legs with the least variances of some coefficients, added one by one, then exchanged."""
-    # pairs (places, P, P); Fedorov (1972), Theory of Optimal Experiments, on exchange.
-    model, inside = problem.prior.model, slice(problem.count)
-    before = np.asarray(model.covariance)
-    places = [place for place in map(model.terms.names.index, names) if before[place].any()]
-    rows = problem.prior.regression[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
-
-    def next_pair(held: list[int]) -> int:
-        after = np.linalg.inv(problem.precision + pairs[held].sum(axis=0) + pairs)[:, inside, inside]
-        return int(np.einsum("ni,pij,nj->p", rows, after, rows).argmin())
-
-    best: list[int] = []
-    for _ in range(count if len(pairs) else 0):
-        best.append(next_pair(best))
-    for place in range(len(best)):
-        best[place] = next_pair(best[:place] + best[place + 1 :])
-    return best
-
-
-QUANTILES = (0.05, 0.5, 0.95)  # Quantiles of the samples that are given for rudder and drift [1]
 
 
 def usual_offsets(model: Model, clearance: float) -> np.ndarray:
@@ -241,7 +378,7 @@ def allowed_legs(
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
     drawn = steady_course(model, samples=settings.PLAN_SAMPLES, **steady).transpose("place", "sample")
     rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
-    angles = [np.quantile(part, QUANTILES, axis=1, method="higher").T for part in (rudder, psi)]
+    angles = [np.quantile(part, (0.05, 0.5, 0.95), axis=1, method="higher").T for part in (rudder, psi)]
     gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
     with np.errstate(invalid="ignore"):  # No steady course
         turned = ship.length / 2 * np.abs(np.sin(angles[1][:, 1]))
