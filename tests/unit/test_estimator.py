@@ -303,7 +303,7 @@ def test_there_is_nothing_before_a_place_a_heading_and_a_speed() -> None:
     assert waiting.values == {}
     assert not waiting.ready
     assert waiting.notes == (
-        "An estimate starts from 3 readings each; it still lacks a place and a heading and a speed through the water.",
+        "An estimate starts from 3 readings each; it lacks a place and a heading and a speed through the water.",
     )
     assert [one.update(0.2 * k, gnss=(0.0, 0.4), log=1.0, gyro=0.1).ready for k in (1, 2, 3)] == [False, False, True]
 

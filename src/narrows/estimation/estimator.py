@@ -180,9 +180,7 @@ class Estimator(BaseSummary):
         start.add(t - late, measured)
         self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
-            notes.append(
-                f"An estimate starts from {settings.START_READINGS} readings each; it still lacks {start.missing}."
-            )
+            notes.append(f"An estimate starts from {settings.START_READINGS} readings each; it lacks {start.missing}.")
             return self._estimate(t, self._last, False, notes)
         first = Moment(
             t - late, start.state(t - late), self._indicated(positions, self.filter.at_rest), {}, self.filter.monitor()

@@ -157,12 +157,10 @@ def checked_readings(
     """Split readings into those of sensors and of actuators, without NaN, and a note on invalid ones."""
     measured: dict[str, tuple[float, ...]] = {}
     positions: dict[str, float] = {}
-    lost = []
+    lost, known = [], (*sensors, *actuators)
     for name, reading in readings.items():
-        if name not in sensors and name not in actuators:
-            raise InputError(
-                f"no sensor of this estimator is called {name!r}{did_you_mean(name, (*sensors, *actuators))}"
-            )
+        if name not in known:
+            raise InputError(f"no sensor of this estimator is called {name!r}{did_you_mean(name, known)}")
         numbers = _numbers(name, reading, len(sensors[name].fields) if name in sensors else 1)
         if not all(map(math.isfinite, numbers)):
             lost.append(name)

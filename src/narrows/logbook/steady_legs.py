@@ -167,8 +167,7 @@ def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float
     if probability < settings.CONTRADICTION:
         yield (
             f"The legs contradict the model, each other or their errors: a sum of squares of {squares:.1f} where "
-            f"{found.counted} was to be expected; leg {worst} fits worst. Hold it again, or look for a fault of an "
-            "instrument."
+            f"{found.counted} was to be expected; leg {worst} fits worst. Hold it again, or look at the instruments."
         )
     for name in ("rudder", "drift") if squares > settings.WRONG_SIGN_GAIN else ():  # Else there is nothing to be won.
         turned = replace(problem.readings, values={**read, name: -read[name]})
@@ -233,10 +232,7 @@ class SteadyPlan(Tabulated):
     def summary(self) -> str:
         if not self.legs:
             return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."
-        gains = "; ".join(
-            f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
-            for name in self.targets
-        )
+        gains = "; ".join(f"{name}: standard error {s[0]:.2g} now, {s[-1]:.2g} after" for name, s in self.std.items())
         held = f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {gains}."
         return f"{held}\nLegs are allowed to {self.farthest:.3g} m off the middle.\n{ON_TWINS}"
 
@@ -298,7 +294,7 @@ def plan_steady(
         raise InputError(f"legs = {legs}: give an even number, for wind and zeros cancel over both sides")
     if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(side) and side >= 0):
         raise InputError(
-            f"a reserve of {shown(reserve)} and {shown(side)} m of clearance: give a share under 1, metres from 0"
+            f"reserve = {shown(reserve)}, {shown(side)} m of clearance: give a share under 1, metres from 0"
         )
     beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)

@@ -288,10 +288,7 @@ class LegProblem(Unknowns):
         try:
             root = np.linalg.cholesky(covariance)
         except np.linalg.LinAlgError:
-            raise InputError(
-                "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and "
-                "its unit"
-            ) from None
+            raise InputError("errors of these readings are beyond all measure; check each, and its unit") from None
         white = [np.linalg.solve(root, own) for own in (value[..., None], design, through)]
         return white[0][..., 0], white[1], white[2]
 

@@ -151,10 +151,7 @@ def predict_information(
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     if "rudder" not in grade.signals:
-        raise InputError(
-            f"sensors {grade.name!r} have no rudder angle: what transits tell of the bank then depends on the assumed "
-            "pilot; record the rudder"
-        )
+        raise InputError(f"sensors {grade.name!r} have no rudder: all would rest on a pilot; record the rudder")
     plan = _plan(model, waterway, u, duration, conditions)
     sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
     std, seeds = [], range(seed, seed + settings.SIMULATED_TRANSITS)
@@ -203,9 +200,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
             unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / max(std.prod(), np.finfo(float).tiny), -0.99, 0.99))
     found = scored(problem, setup, unknowns, [], FIRST_PASSES)
     if found is None:
-        raise InputError(
-            "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
-        )
+        raise InputError("these sensors are too coarse to locate a ship of this size in its canal; give finer ones")
     return found.information
 
 
@@ -243,9 +238,7 @@ class TransitPilot:
         held = steady_course(self.model, y=xr.DataArray(y, dims="place"), u=self.u)
         courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))])
         if not np.isfinite(courses).all():
-            raise InputError(
-                f"no rudder holds this ship {far:.3g} m off the middle at {self.u:.3g} m/s; aim nearer to it"
-            )
+            raise InputError(f"no rudder holds this ship {far:.3g} m off the middle at {self.u:.3g} m/s; aim nearer")
         return courses
 
     @cached_property

@@ -125,8 +125,7 @@ def check_repeats(at: Checked) -> Iterator[Finding]:
             continue
         if np.mean(runs == usual) > settings.REGULAR and usual * signal.step > settings.REPEATED_LENGTHS * at.pace:
             yield at.finding(
-                "repeats", f"{name} is written every {signal.step:.3g} s and changes every {usual * signal.step:.3g} s "
-                "only: values are repeated",
+                "repeats", f"{name} is written every {signal.step:.3g} s and changes every {usual * signal.step:.3g} s",
                 "leave repeated values out of the log", repeats=float(usual),
             )  # fmt: skip
 
@@ -137,8 +136,7 @@ def check_speed(at: Checked) -> Iterator[Finding]:
     froude = length / at.pace / np.sqrt(GRAVITY * length)
     if froude > settings.MOST_FROUDE:
         yield at.finding(
-            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}, "
-            "which no displacement ship reaches",
+            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}",
             "give the log the model of its own ship's size (nw.scale_model), and positions and speeds in metres",
             froude=float(froude),
         )  # fmt: skip
@@ -151,8 +149,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
     lengths, moves = rudder.step / at.pace, float(np.std(np.diff(rudder.values))) if len(rudder) > 1 else 0.0
     if lengths > settings.SELDOM and moves > settings.STILL:
         yield at.finding(
-            "sampling", f"the rudder is read every {rudder.step:.3g} s only, in which the ship makes {lengths:.2g} of "
-            "its length: what it did between is unknown",
+            "sampling", f"the rudder is read every {rudder.step:.3g} s only, or every {lengths:.2g} ship lengths",
             "record it each second", False, lengths=lengths,
         )  # fmt: skip
     begin, end = rudder.t[longest_run(rudder.values)].tolist()
@@ -162,8 +159,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
         swings >= settings.SWINGS or (confined and still > settings.RUDDER_REST_BETWEEN_BANKS)
     ):
         yield at.finding(
-            "rudder", f"the rudder stays where it is from t = {begin:.6g} s for {still:.3g} ship lengths, while the "
-            f"ship swings {swings} times",
+            "rudder", f"the rudder rests from t = {begin:.6g} s for {still:.3g} ship lengths and {swings} swings",
             "look for another column of it, or for a sensor that fell silent", start=begin, end=end,
         )  # fmt: skip
 

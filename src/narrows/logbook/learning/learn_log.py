@@ -24,13 +24,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.waterway import Waterway
 
-RUNS_AWAY = (
-    "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
-)
-STRETCHES = (
-    "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
-)
-HASH_DIGITS = 12  # Digits of a hash in a sentence
+STRETCHES = "The model was fitted to short stretches of the records. Do not predict whole manoeuvres with it."
 
 
 @accept_aliases
@@ -74,7 +68,7 @@ def learn(
     with stage("fitting the records"):
         found = search(setup.problem, setup)
     if found is None:
-        raise InputError(RUNS_AWAY)
+        raise InputError("the model cannot follow this log: its motion goes to infinity; look at it with `check_log`")
     if not found.records:
         why = " ".join(setup.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
@@ -96,11 +90,8 @@ def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int)
     name, sha256 = Path(str(getattr(log, "name", "a log"))).name, hashed.hexdigest()
     if isinstance(log, ShipLog):
         name = " to ".join(dict.fromkeys((log.names[0], log.names[-1])))
-    text = (
-        f"learned from {records} record{'s' * (records > 1)} of the ship itself ({name}, sensors {sensors}, sha256 "
-        f"{sha256[:HASH_DIGITS]}...)"
-    )
-    before = prior.source
+    about, before = f"{name}, sensors {sensors}, sha256 {sha256[:12]}...", prior.source
+    text = f"learned from {records} record{'s' * (records > 1)} of the ship itself ({about})"
     pairs = (before.text, text), (before.table, name), (before.sha256, sha256)
     return Source(*("; ".join(filter(None, pair)) for pair in pairs))
 
@@ -176,8 +167,7 @@ def _assumptions(problem: LogProblem, free: Sequence[str]) -> Iterator[str]:
         depth = "the waterway's depths" if "waterway" in problem.motion.choices else depth
         yield (
             f"Assumed: a draft of {model.configuration.ship.draft:.3g} m, {depth}, and charted banks with one offset "
-            "to each record. At another depth or draft the coefficients differ, and a transit does not show it. The "
-            "intervals are then too narrow."
+            "to each record. At another depth or draft, which a transit does not show, the intervals are too narrow."
         )
     yield from model.configuration.notes
     if any(one.adds_to == OFFSET("revolutions") for one in problem.model.processes):

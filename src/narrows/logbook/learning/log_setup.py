@@ -272,7 +272,5 @@ def speed_of(record: ShipRecord) -> float:
         legs = [np.diff(np.interp(t, record[name].t, record[name].values)) for name in ("x", "y") if name in record]
         return max(float(np.linalg.norm(legs, axis=0).sum() / max(np.ptp(t), 1e-9)), 1e-3)
     if "x" in record:
-        raise InputError(
-            f"record {record.name} holds a single position: read_log begins a record after a gap; give a longer gap="
-        )
+        raise InputError(f"record {record.name} holds a single position: a gap begins a record; give a longer gap=")
     raise InputError(f"record {record.name} holds no speed and no way; give one of {', '.join(READ)}")

@@ -181,9 +181,7 @@ class LogReading:
         if archive := one_ship(raw, self.mmsi, self.table, mapped):
             raw, self.mmsi, mapped = archive
         elif self.mmsi is not None:
-            raise InputError(
-                f"{self.table}: mmsi = {self.mmsi} needs AIS reports, and this table has none; leave it out"
-            )
+            raise InputError(f"{self.table}: mmsi={self.mmsi} needs AIS reports, and this table has none; leave it out")
         frame, self.mapped = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
         frame = with_seconds(frame)
         recognised = recognised_in(frame, VOCABULARY.quantities, self.table)
@@ -199,9 +197,7 @@ class LogReading:
             none = np.isin(column, ABSENT.get(name, ()))
             if (beyond := (np.abs(column) > EARTH.get(name, np.inf)) & ~none).any():
                 row, value = row_number(frame, beyond), column[int(np.argmax(beyond))]
-                raise InputError(
-                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
-                )
+                raise InputError(f"{self.table}: row {row}, {name} {value:g} is not on earth; give degrees, WGS84")
             if none.any():
                 self.absent[name] += int(none.sum())
                 columns[name] = np.where(none, np.nan, column)
@@ -230,9 +226,7 @@ class LogReading:
             for number, part in piece.groupby(np.cumsum(self._begins(piece, label, last))):
                 label, last = str(part["record"].iloc[0]) if "record" in part else "", float(part["t"].iloc[-1])
                 if number and label in self.names:
-                    raise InputError(
-                        f"{self.table}: the rows of record {label} do not stand together; sort it by record"
-                    )
+                    raise InputError(f"{self.table}: rows of record {label} do not stand together; sort it by record")
                 if held and (number or sum(map(len, held)) + len(part) > MOST_ROWS):
                     yield self._finished(held)
                     held = []
