@@ -11,6 +11,7 @@ from scipy import special
 
 from narrows.base.errors import InputError, shown
 from narrows.base.results import Aliased, BaseResult, Named
+from narrows.identification.least_squares import free_parameters
 from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
@@ -257,14 +258,11 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
     """Return the prior of the coefficients that affect a motion; those of ``free``, or all, may change."""
     covariance = np.asarray(model.covariance)
     acting = [force for force in FORCES if force != "X" or surge == "free"]
-    names = [term.name for force in acting for term in model.terms.forces[force]]
     uncertain = {name for name, variance in zip(model.terms.names, np.diag(covariance), strict=True) if variance > 0}
-    leader = {name: name for name in names if name in uncertain}
-    for first, second in model.terms.ties:
-        if first in leader and second in leader:
-            leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
-    heads = dict.fromkeys(leader.values())
-    groups = tuple(tuple(name for name, first in leader.items() if first == head) for head in heads)
+    parameters, tied = free_parameters(model.terms), dict[int, list[str]]()
+    for name in (term.name for force in acting for term in model.terms.forces[force] if term.name in uncertain):
+        tied.setdefault(parameters[name], []).append(name)
+    groups = tuple(map(tuple, tied.values()))
     places = [model.terms.names.index(group[0]) for group in groups]
     part = covariance[np.ix_(places, places)]
     scale = np.sqrt(np.diag(part))
