@@ -13,7 +13,7 @@ from narrows.base.errors import InputError, did_you_mean
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import Quantity
-from narrows.readers.headers import SUFFIXES, Vocabulary, split_header
+from narrows.readers.headers import Vocabulary, split_header
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.checks import check_number
 from narrows.ship.ship_file import check_table, load_toml
@@ -97,11 +97,9 @@ def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
 
 
 def _documented(header: str) -> str | None:
-    match = re.fullmatch(
-        r"([#A-Za-z][A-Za-z_ ]*?)\s*(\s*[\[(].*[\])]|_(?:" + "|".join(SUFFIXES) + "))?", header.strip()
-    )
-    name = ALIASES.get(_plain(match[1])) if match else None
-    return None if match is None or name is None else name + (match[2] or "")
+    words = header if _plain(header) in ALIASES else split_header(header)[0]
+    name = ALIASES.get(_plain(words))
+    return None if name is None else name + header.strip()[len(words.strip()) :]
 
 
 def _plain(header: str) -> str:
