@@ -284,7 +284,7 @@ class LogProblem(Unknowns):
         return np.array([one.spread for one in self.model.estimated])
 
     @cached_property
-    def scales(self) -> np.ndarray:  # (6,) Of the ship's states
+    def scales(self) -> np.ndarray:  # (6,) of x, y, psi, u, v, r
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
         return np.array([length, length, 1.0, u, u, u / length])
 
