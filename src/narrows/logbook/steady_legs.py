@@ -281,7 +281,7 @@ def plan_steady(
     offsets, speeds : sequence of float [m], [m/s], optional
         Offsets to either side, and speeds through the water, that may be held.
     legs, targets, conditions : int, sequence of str, SteadyConditions
-        Number of legs, even; the coefficients that matter, by default those of the bank; errors as for ``learn_steady``.
+        Number of legs, even; the coefficients that matter, by default those of the bank; errors of the readings.
     reserve, clearance : float [1], [m], optional
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     """
