@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.model.bank_forms import without_bank
+from narrows.model.tables import without_bank
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"

@@ -13,7 +13,7 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.captive.formats import BANKS, WALL
 from narrows.captive.measured import measured_files
-from narrows.model.squat import limits_left, sinkage_by
+from narrows.model.water import limits_left, sinkage_by
 
 SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
 

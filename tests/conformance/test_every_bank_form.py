@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from arithmetic import check_arithmetic, values_at
 from limits import within
-from narrows.model.bank_forms import NEW, PUBLISHED, REFITTED
+from narrows.model.tables import NEW, PUBLISHED, REFITTED
 from narrows.simulation.ship import SimulatedShip
 
 every_form = pytest.mark.parametrize("form", nw.FORMS.values(), ids=lambda form: form.name)

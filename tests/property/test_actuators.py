@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from strategies import numbers
 
 import narrows as nw
-from narrows.model.tables import with_helm
+from narrows.model.tables import HELM
 from narrows.model.term import ScaleEffect
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part, number_in
@@ -203,7 +203,7 @@ def test_an_ensemble_holds_it_where_it_is_put(tug: nw.Model, dtc: nw.Model) -> N
 def test_a_steady_course_balances_it(tug: nw.Model) -> None:
     hull = replace(tug.configuration, ship=replace(tug.configuration.ship, flow_straightening=0.5))
     helm = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
-    steered = nw.Model(hull, with_helm(TERMS), {**tug.coefficients, **helm})
+    steered = nw.Model(hull, HELM(TERMS), {**tug.coefficients, **helm})
     turns = [-5.0, 0.0, 5.0]
     course = nw.steady_course(steered, y=0.1, u=0.8, trial_jet=turns)
     assert len(set(course["rudder"].values)) == 3
@@ -226,7 +226,7 @@ def test_the_envelope_feels_it(tug: nw.Model) -> None:
     hull = replace(tug.configuration.ship, flow_straightening=0.5)
     canal, gear = replace(tug.configuration.canal, depth=0.4), nw.SteeringGear(35.0, 20.0)
     coefficients = {**tug.coefficients, "a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
-    terms = with_helm(terms_with(replace(THRUSTER, parts=(RunningThruster,))))
+    terms = HELM(terms_with(replace(THRUSTER, parts=(RunningThruster,))))
 
     def rudder(turns: float, diameter: float = 0.05) -> np.ndarray:
         section = RunningThruster(diameter, 1.7, 20.0, 4.0, turns)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strategies import STATES, numbers
 
 import narrows as nw
-from narrows.model.model_file import to_toml
+from narrows.model.sections import to_toml
 
 ANY = st.floats(allow_nan=False, allow_infinity=False)
 """Every finite double, subnormal ones too."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS
-from narrows.model.model_file import load_model
+from narrows.model.sections import load_model
 from narrows.readers.headers import parse_header
 from tables import DTC_SHIP, frame_of, short_twin
 

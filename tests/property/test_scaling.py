@@ -184,8 +184,8 @@ def test_friction_of_a_resistance_by_primes_is_the_same_friction() -> None:
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({"depth": 24.0}, "h/T = 1.65 is outside the tests' 2.45"),
-        ({"width": 205.0}, "W/B = 4.02 is not that of the tests, 12.24"),
+        ({"depth": 24.0}, "Beyond the data: h/T 1.65; they covered 2.45."),
+        ({"width": 205.0}, "Beyond the data: W/B 4.02; they covered 12.2."),
         ({}, "does not follow Froude's law"),
         ({}, "depends on the Reynolds number"),
         ({}, "hold parts proportional to the speed of the tests, 0.5 to 1"),

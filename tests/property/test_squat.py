@@ -11,7 +11,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.model.squat import GIVES, sinkage_by
+from narrows.model.water import GIVES, sinkage_by
 from narrows.physics import squat_and_depth as formulas
 
 SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import narrows as nw
-from narrows.model.squat import squat
+from narrows.model.water import squat
 from narrows.quantities.arithmetic import choice
 from narrows.safety import envelope, settings
 from narrows.safety.envelope import (

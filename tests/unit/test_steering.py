@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import narrows as nw
-from narrows.model.tables import with_helm
+from narrows.model.tables import HELM
 from narrows.model.term import TermKind
 
 COEFFICIENTS = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
@@ -21,7 +21,7 @@ def steered(dtc: nw.Model, **gear: float) -> nw.Model:
         ship=replace(dtc.configuration.ship, flow_straightening=0.5),
         steering=nw.SteeringGear(**gear),
     )
-    return nw.Model(configuration, with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
+    return nw.Model(configuration, HELM(dtc.terms), {**dtc.coefficients, **COEFFICIENTS})
 
 
 def test_the_gear_turns_as_fast_as_it_can_and_stops_at_the_order(dtc: nw.Model) -> None:
@@ -115,7 +115,7 @@ def test_the_rudder_within_a_step_is_a_ramp_for_scipy_too(dtc: nw.Model) -> None
 
 def test_a_zigzag_puts_the_rudder_over_where_the_heading_has_come_as_far(dtc: nw.Model) -> None:
     quiet = nw.Model(
-        replace(dtc.configuration, canal=nw.Canal(500.0)), with_helm(dtc.terms), {**dtc.coefficients, **COEFFICIENTS}
+        replace(dtc.configuration, canal=nw.Canal(500.0)), HELM(dtc.terms), {**dtc.coefficients, **COEFFICIENTS}
     )
     quiet = replace(quiet, configuration=replace(quiet.configuration, ship=steered(dtc).configuration.ship))
     quiet = replace(quiet, configuration=replace(quiet.configuration, steering=nw.SteeringGear(35.0, 20.0)))

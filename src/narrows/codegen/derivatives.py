@@ -9,13 +9,11 @@ import sympy
 from sympy import Integer, sympify
 
 from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
-from narrows.codegen.expressions import symbols_of
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
-from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines
+from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines, symbols_of
 from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import step_of
+from narrows.codegen.step import Rates, step_of
 from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]

@@ -73,7 +73,7 @@ def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Sur
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
     import sympy
 
-    from narrows.codegen.expressions import Abs
+    from narrows.codegen.lines import Abs
 
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
@@ -126,7 +126,7 @@ def exact_number(value: int | float) -> Expr:
 def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], components: Sequence[str]) -> Expr:
     import sympy
 
-    from narrows.codegen.expressions import symbols_of
+    from narrows.codegen.lines import symbols_of
 
     accelerations = [symbol(ACCELERATIONS[force]) for force in components]
     mass = sympy.zeros(len(components))

@@ -13,8 +13,7 @@ from narrows.codegen.choices import BOOK, LANES, SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.lines import LaneFields, Lines, asked_by, real, rounds
 from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step, ends_left, least_clearance, step_of
+from narrows.codegen.step import Rates, Step, ends_left, least_clearance, step_of
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 # Margin [m] to an end that a voyage cannot meet, and the ends but a bank.

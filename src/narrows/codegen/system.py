@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from narrows.codegen.choices import Actuated, Choices
     from narrows.codegen.free_motion import Surge
     from narrows.codegen.linearisation import Linearisation
-    from narrows.codegen.rates import Rates
+    from narrows.codegen.step import Rates
 
 # Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
@@ -55,7 +55,7 @@ class System:
     @cached_property
     def rates(self) -> "Rates":
         from narrows.codegen.free_motion import solve_motion
-        from narrows.codegen.rates import Rates
+        from narrows.codegen.step import Rates
 
         motion = solve_motion(self.trace, self._forces, self.surge, self.coriolis)
         choices = self.choices

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from narrows.base.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.model.model_file import load_model
+from narrows.model.sections import load_model
 from narrows.model.term import TermKind
 from narrows.quantities.names import KNOT
 from narrows.ship.particulars import Canal, Ship

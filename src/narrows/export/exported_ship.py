@@ -18,18 +18,19 @@ from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import FUNCTIONS, Lines, Program, names_in, real, straight_lines
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
+from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
 from narrows.export.passport import RANGE_BITS, passport
+from narrows.model.model import Model
 from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, limits_of
 from narrows.simulation.settings import NEAR_THE_BANK
-from narrows.simulation.ship import SimulatedShip, Steering
+from narrows.simulation.ship import SimulatedShip, Steering, steering_of
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -78,6 +79,16 @@ class ExportedShip:
     waterway: "Waterway | None" = None  # Its table goes into the file if the section changes along the way
     prefix: str = USUAL_PREFIX  # Prefix of the names in the file
     steering: Steering | None = None  # Control law that gives the orders instead of a caller
+
+    @classmethod
+    def of(
+        cls, model: Model, path: str | Path, waterway: "Waterway | None" = None, controller: Any = None, **choices: Any
+    ) -> "ExportedShip":
+        """Return a ship under its choices with its control law; names begin with that of the file."""
+        if waterway is not None:
+            check_along_only(waterway, "a file")
+        ship = SimulatedShip(model, **choices)
+        return cls(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators, single=False))
 
     # Actuators that are angles have a gear, which follows an order of the caller or of the law; the caller sets the
     # others.

@@ -1,22 +1,21 @@
 """Every export format: a row of ``EXPORTERS``, and the one function that writes them."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice
 from narrows.base.files import form_of, write_whole
-from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
-    from narrows.export.exported_ship import ExportedShip
     from narrows.model.model import Model
-    from narrows.waterway.waterway import Waterway
 
 PHYSICS = ("surge", "surge_inertia", "coriolis")
 SHIP = (*PHYSICS, "contact", "waterway", "controller")
+SHIP_FILE = ("ship_files", "ship_file")
 
 
 @dataclass(frozen=True)
@@ -24,8 +23,9 @@ class Exporter:
     kind: str  # Name in ``narrows export``
     words: str  # Description
     suffixes: tuple[str, ...]  # Suffixes of its files
-    # Takes the model, the path, the suffix and ``options``; returns the file, and what ``write`` returns
-    content: Callable[..., tuple[str | bytes, Any]]
+    # Module of this package, and its function of the model, the path, the suffix and ``options``. It returns the
+    # content of the file, and what ``write`` returns.
+    made_by: tuple[str, str]
     options: tuple[str, ...]
     # Notes on the written file, from the result of ``write``
     notes: Callable[[Any], Iterable[str]] = lambda written: ()
@@ -35,7 +35,9 @@ class Exporter:
     def made(self, model: "Model", path: str | Path, options: Mapping[str, Any]) -> tuple[str | bytes, Any]:
         for name in options:
             check_choice("option", name, self.options)
-        return self.content(model, path, form_of(path, self.suffixes), **options)
+        module, function = self.made_by
+        content = getattr(import_module(f"narrows.export.{module}"), function)
+        return content(model, path, form_of(path, self.suffixes), **options)  # type: ignore[no-any-return]
 
     def write(self, model: "Model", path: str | Path, **options: Any) -> Any:
         return write(model, path, self.kind, **options)
@@ -99,46 +101,6 @@ def to_language(model: "Model", kind: str, path: str | Path | None = None, **opt
     return exporter.made(model, f"ship{exporter.suffixes[0]}", options)[0]
 
 
-def _ship_file(model: "Model", path: str | Path, suffix: str, **choices: Any) -> tuple[str | bytes, None]:
-    from narrows.export import ship_files
-
-    return ship_files.TEXTS[suffix](ship_to_export(model, path, **choices)), None
-
-
-def _bank_force(model: "Model", path: str | Path, suffix: str, fmi: int = 2) -> tuple[str | bytes, None]:
-    from narrows.export.exported_ship import prefix_of
-    from narrows.export.fmu import builds_here
-    from narrows.export.force_files import force_fmu, force_text
-
-    check_standard(fmi)
-    prefix = prefix_of(path)
-    if suffix == ".fmu":
-        return force_fmu(model, prefix, builds_here(fmi), fmi), None
-    return force_text(model, suffix, prefix), None
-
-
-def _fmu(
-    model: "Model", path: str | Path, suffix: str, fmi: int = 2, u: float | None = None, dt: float | None = None,
-    **choices: Any,
-) -> tuple[bytes, tuple[str, ...]]:  # fmt: skip
-    """Compile the C of a ship for every platform that there is a compiler for."""
-    from narrows.export.exported_ship import USUAL_PREFIX
-    from narrows.export.fmu import builds_here, fmu_bytes
-    from narrows.simulation.initial_state import voyage_defaults
-    from narrows.simulation.inputs import finite_numbers
-
-    check_standard(fmi)
-    defaults = voyage_defaults(model, u)
-    speed, step = defaults.speed if u is None else u, defaults.dt if dt is None else dt
-    finite_numbers(u=speed, dt=step)
-    if not step > 0:
-        raise InputError(f"dt = {step:g} s is no step; give a time over 0")
-    ship, builds = ship_to_export(model, path, **choices), builds_here(fmi)
-    inside = replace(ship, prefix=USUAL_PREFIX)
-    content = fmu_bytes(inside, ship.prefix, float(speed), float(step), builds, fmi)
-    return content, tuple(dict.fromkeys(build.folder for build in builds))
-
-
 def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
     """Return the platforms of an FMU's libraries, and how to add more."""
     from narrows.export.fmu import lacks_zig
@@ -148,76 +110,29 @@ def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
     return [f"libraries for {', '.join(platforms)}" if platforms else alone, *filter(None, [lacking])]
 
 
-def _latex(model: "Model", path: str | Path, suffix: str) -> tuple[str, None]:
-    from narrows.codegen.printers.latex import Equations, environment
-    from narrows.export.exported_ship import ExportedShip
-    from narrows.export.passport import passport
-    from narrows.export.ship_files import commented
-    from narrows.quantities.names import FORCES
-    from narrows.simulation.ship import SimulatedShip
-
-    about = [*passport(model), ExportedShip(SimulatedShip(model)).bottom_note]
-    lines = [f"% {commented(line)}" for line in about]
-    written = Equations(model.terms)
-    by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
-    by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
-    numbers = written.values(model.configuration.values())
-    # Pages break between lines.
-    parts = [environment("align*", one) for one in (by_symbols, by_numbers, numbers) if one]
-    return "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n", None
-
-
-def _page(
-    model: "Model", path: str | Path, suffix: str, title: str = "", u: float | None = None, **choices: Any
-) -> tuple[str, tuple[str, ...]]:
-    from narrows.export.page.assembly import assembled
-    from narrows.simulation.ship import SimulatedShip
-
-    ship = SimulatedShip(model, **choices)
-    if ship.contact == "none":
-        raise InputError("a page shows a canal, and contact 'none' has no banks; choose 'corners'")
-    return assembled(ship, title, u)
-
-
-def ship_to_export(
-    model: "Model", path: str | Path, waterway: "Waterway | None" = None, controller: Any = None, **choices: Any
-) -> "ExportedShip":
-    """Return a ship under its choices with its control law; names begin with that of the file."""
-    from narrows.export.exported_ship import ExportedShip, prefix_of
-    from narrows.simulation.ship import SimulatedShip, steering_of
-
-    if waterway is not None:
-        check_along_only(waterway, "a file")
-    ship = SimulatedShip(model, **choices)
-    return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators, single=False))
-
-
-def check_standard(fmi: int) -> None:
-    if fmi not in (2, 3):
-        raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
-
-
 _ROWS = (
     Exporter(
         "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave, or as an FMU",
-        (".m", ".h", ".cs", ".mjs", ".fmu"), _bank_force, ("fmi",),
+        (".m", ".h", ".cs", ".mjs", ".fmu"), ("force_files", "force_file"), ("fmi",),
         refused={"waterway": "the bank's force takes the section as input; leave --waterway out"},
     ),
-    Exporter("c", "a header of C99 and C++, or one with a class", (".h", ".hpp"), _ship_file, SHIP),
+    Exporter("c", "a header of C99 and C++, or one with a class", (".h", ".hpp"), SHIP_FILE, SHIP),
     Exporter(
-        "fmu", "an FMU of FMI 2.0 or 3.0", (".fmu",), _fmu, (*SHIP, "fmi", "u", "dt"), about_libraries, platforms=True,
+        "fmu", "an FMU of FMI 2.0 or 3.0", (".fmu",), ("fmu", "fmu_file"), (*SHIP, "fmi", "u", "dt"), about_libraries,
+        platforms=True,
     ),
-    Exporter("js", "an ES module, or an npm package of it with types", (".mjs", ".js", ".tgz"), _ship_file, SHIP),
-    Exporter("latex", "the equations of the forces", (".tex",), _latex, ()),
+    Exporter("js", "an ES module, or an npm package of it with types", (".mjs", ".js", ".tgz"), SHIP_FILE, SHIP),
+    Exporter("latex", "the equations of the forces", (".tex",), ("ship_files", "latex_file"), ()),
     Exporter(
-        "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function", (".m", ".c"), _ship_file,
+        "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function", (".m", ".c"), SHIP_FILE,
         PHYSICS, refused={"waterway": "a function of MATLAB has the canal of its model; leave --waterway out"},
     ),
     Exporter(
-        "page", "a page that sails fleets in a browser", (".html",), _page, (*PHYSICS, "contact", "title", "u"), tuple,
+        "page", "a page that sails fleets in a browser", (".html",), ("page.assembly", "page_file"),
+        (*PHYSICS, "contact", "title", "u"), tuple,
         refused={"waterway": "a page shows a straight canal; leave --waterway out"},
     ),
-    Exporter("python", "a Python file that needs NumPy alone", (".py",), _ship_file, SHIP),
+    Exporter("python", "a Python file that needs NumPy alone", (".py",), SHIP_FILE, SHIP),
 )  # fmt: skip
 # Formats of ``narrows export``, by name; those of a whole ship by suffix, which the bank's force alone shares.
 EXPORTERS: dict[str, Exporter] = {own.kind: own for own in _ROWS}

@@ -11,9 +11,10 @@ import struct
 import subprocess
 import sys
 import zipfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import partial
 from importlib.metadata import version
 from importlib.resources import files
 from io import BytesIO
@@ -32,13 +33,14 @@ from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.printers.c import C
-from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
+from narrows.export.exported_ship import HEADING, PLACES, USUAL_PREFIX, ExportedNumber, ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, passport
 from narrows.export.ship_files import c_text, commented, filled, places_in, rates_of, rendered
 from narrows.model.model import Model
 from narrows.quantities.dimensions import dimension_of
 from narrows.ship.checks import POSITIVE, SMALLEST
 from narrows.simulation.initial_state import voyage_defaults
+from narrows.simulation.inputs import finite_numbers
 
 
 @dataclass(frozen=True)
@@ -238,26 +240,31 @@ LETTERS_A_LINE = 100
 OUTPUT_STEPS = 10
 
 
-def fmu_bytes(
-    exported: ExportedShip, identifier: str, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2
-) -> bytes:
-    header, model = c_text(exported), exported.ship.model
-    variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(exported, speed, dt)))
-    token = token_of(header, identifier, speed, dt, fmi)
+def fmu_file(
+    model: Model, path: str | Path, suffix: str, fmi: int = 2, u: float | None = None, dt: float | None = None,
+    **choices: Any,
+) -> tuple[bytes, tuple[str, ...]]:  # fmt: skip
+    """Compile the C of a ship for every platform that there is a compiler for."""
+    usual = voyage_defaults(model, u)
+    speed, step = float(usual.speed if u is None else u), float(usual.dt if dt is None else dt)
+    finite_numbers(u=speed, dt=step)
+    if not step > 0:
+        raise InputError(f"dt = {step:g} s is no step; give a time over 0")
+    exported = ExportedShip.of(model, path, **choices)
+    identifier, exported = exported.prefix, replace(exported, prefix=USUAL_PREFIX)
     defaults = voyage_defaults(model, speed)
     output = OUTPUT_STEPS * defaults.dt
-    stop = round(round(defaults.duration / output) * output, 6)  # No step of a default experiment passes its end
-    description = description_text(
-        model, variables, fmi, identifier=identifier, token=token, stop=stop, output=output,
-        derivatives="true",
+    filling = partial(
+        rendered, "choices.h.j2", exported, C(), speed=speed, dt=step, banks=exported.ship.shape != OPEN,
+        events=[f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)], counted=COUNTED in exported.kept,
+        unknowns=UNKNOWNS, knowns=KNOWNS, lever=model.configuration.ship.length / 2, **_programs(exported),
     )  # fmt: skip
-    sources = {"ship.h": header, "choices.h": _choices(exported, variables, token, speed, dt)}
-    sources["instance.h"] = source_of("instance.h")
-    return fmu_of(sources, description, exported.about(), identifier, builds, fmi)
-
-
-def token_of(*parts: object) -> str:
-    return hashlib.sha256(" ".join(map(str, parts)).encode()).hexdigest()[:32]
+    return fmu_of(
+        model, _variables(exported, speed, step), {"ship.h": c_text(exported), "instance.h": source_of("instance.h")},
+        filling, exported.about(), fmi, identifier=identifier, output=output, derivatives="true",
+        # No step of a default experiment passes its end.
+        stop=round(round(defaults.duration / output) * output, 6),
+    )  # fmt: skip
 
 
 def source_of(name: str) -> str:
@@ -265,24 +272,33 @@ def source_of(name: str) -> str:
 
 
 def fmu_of(
-    own: Mapping[str, str],
-    description: str,
-    about: Iterable[str],
-    identifier: str,
-    builds: tuple[NativeBuild, ...],
-    fmi: int,
-) -> bytes:
-    sources = {**own, **{name: source_of(name) for name in SOURCES[fmi]}}
+    model: Model, variables: Iterable[FmuVariable], sources: dict[str, str], filling: Callable[..., str],
+    about: Iterable[str], fmi: int, identifier: str, **experiment: Any,
+) -> tuple[bytes, tuple[str, ...]]:  # fmt: skip
+    """Return an FMU and the platforms of its libraries; ``filling`` writes what of its sources depends on the model."""
+    if fmi not in (2, 3):
+        raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
+    variables = tuple(replace(one, reference=place) for place, one in enumerate(variables))
+    bounded = [one.bounds for one in variables if one.kind in (Kind.FIXED, Kind.INPUT, Kind.TUNABLE)]
+    letters = wrap("".join(one.kind.letter for one in variables), LETTERS_A_LINE)
+    token = hashlib.sha256(f"{sources} {variables} {identifier} {fmi}".encode()).hexdigest()[:32]
+    sources["choices.h"] = filling(
+        token=token, kinds={kind.name: kind.letter for kind in Kind}, reals=REALS, integers=INTEGERS,
+        letters=[f'"{line}"' for line in letters],
+        low=[C().literal(low) for low, _ in bounded], high=[C().literal(high) for _, high in bounded],
+    )  # fmt: skip
+    sources |= {name: source_of(name) for name in SOURCES[fmi]}
+    description = description_text(model, variables, fmi, identifier=identifier, token=token, **experiment)
     parts = {"modelDescription.xml": description.encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     if fmi > 2:
         parts["sources/buildDescription.xml"] = filled("build.xml.j2", identifier=identifier).encode()
     parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in about).encode()
+    made: dict[str, list[bytes]] = {}
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        made: dict[str, list[bytes]] = {}
-        for build in builds:
+        for build in builds_here(fmi):
             place = f"binaries/{build.folder}/{identifier}{build.suffix}"
             made.setdefault(place, []).append(build.compiled(Path(folder, f"fmi{fmi}.c")))
     parts |= {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
@@ -290,21 +306,7 @@ def fmu_of(
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in parts.items():
             packed.writestr(zipfile.ZipInfo(name, SAME_TIME), content, zipfile.ZIP_DEFLATED)
-    return archive.getvalue()
-
-
-def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: str, speed: float, dt: float) -> str:
-    letters = "".join(one.kind.letter for one in variables)
-    bounded = [one.bounds for one in variables if one.kind in (Kind.FIXED, Kind.INPUT, Kind.TUNABLE)]
-    outcomes = [f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)]
-    return rendered(
-        "choices.h.j2", exported, C(), token=token, speed=speed, dt=dt, events=outcomes,
-        banks=exported.ship.shape != OPEN, counted=COUNTED in exported.kept, kinds={k.name: k.letter for k in Kind},
-        reals=REALS, integers=INTEGERS, unknowns=UNKNOWNS, knowns=KNOWNS,
-        letters=[f'"{line}"' for line in wrap(letters, LETTERS_A_LINE)],
-        low=[C().literal(low) for low, _ in bounded], high=[C().literal(high) for _, high in bounded],
-        lever=exported.ship.model.configuration.ship.length / 2, **_programs(exported),
-    )  # fmt: skip
+    return archive.getvalue(), tuple(place.split("/")[1] for place in made)
 
 
 def _programs(exported: ExportedShip) -> dict[str, str]:

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from functools import partial
+from pathlib import Path
 
 import sympy
 
@@ -12,19 +13,8 @@ from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
 from narrows.codegen.printers.c import C
 from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab
 from narrows.codegen.trace import trace_of_terms
-from narrows.export.exported_ship import HEADING
-from narrows.export.fmu import (
-    INTEGERS,
-    REALS,
-    SIDES,
-    FmuVariable,
-    Kind,
-    NativeBuild,
-    description_text,
-    fmu_of,
-    source_of,
-    token_of,
-)
+from narrows.export.exported_ship import HEADING, prefix_of
+from narrows.export.fmu import SIDES, FmuVariable, Kind, fmu_of, source_of
 from narrows.export.passport import ASKED_OF_BANK, bits_in_words, ends_of_data, passport
 from narrows.export.ship_files import commented, filled
 from narrows.model.bank_force import CONTACT, beside_banks
@@ -88,24 +78,19 @@ def force_text(model: Model, suffix: str, prefix: str) -> str:
     )  # fmt: skip
 
 
-def force_fmu(model: Model, identifier: str, builds: tuple[NativeBuild, ...], fmi: int) -> bytes:
-    """Return an FMU without states, whose outputs are the force at its inputs."""
-    header = force_text(model, ".h", "bank")
-    token = token_of(header, identifier, fmi)
-    variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(model)))
-    description = description_text(
-        model, variables, fmi, identifier=identifier, token=token, stop=1.0, output=0.1,
+def force_file(model: Model, path: str | Path, suffix: str, fmi: int = 2) -> tuple[str | bytes, tuple[str, ...] | None]:
+    """Return a function, or an FMU without states, whose outputs are the force at its inputs."""
+    prefix = prefix_of(path)
+    if suffix != ".fmu":
+        return force_text(model, suffix, prefix), None
+    variables = tuple(_variables(model))
+    start = [C().literal(one.start or 0.0) for one in variables if one.kind is Kind.INPUT]
+    filling = partial(filled, "bank_choices.h.j2", deviations=2 * (model.covariance is not None), start=start)
+    sources = {"bank.h": force_text(model, ".h", "bank"), "instance.h": source_of("bank_instance.h")}
+    return fmu_of(
+        model, variables, sources, filling, passport(model), fmi, identifier=prefix, stop=1.0, output=0.1,
         derivatives="false",
     )  # fmt: skip
-    inputs = [one for one in variables if one.kind is Kind.INPUT]
-    choices = filled(
-        "bank_choices.h.j2", token=token, deviations=2 * (model.covariance is not None), reals=REALS, integers=INTEGERS,
-        kinds={kind.name: kind.letter for kind in Kind}, letters="".join(one.kind.letter for one in variables),
-        start=[C().literal(one.start or 0.0) for one in inputs],
-        low=[C().literal(one.bounds[0]) for one in inputs], high=[C().literal(one.bounds[1]) for one in inputs],
-    )  # fmt: skip
-    sources = {"bank.h": header, "choices.h": choices, "instance.h": source_of("bank_instance.h")}
-    return fmu_of(sources, description, passport(model), identifier, builds, fmi)
 
 
 def _variables(model: Model) -> Iterator[FmuVariable]:

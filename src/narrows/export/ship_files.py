@@ -9,6 +9,7 @@ from functools import partial
 from importlib.metadata import version
 from inspect import getsource
 from io import BytesIO
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -18,11 +19,15 @@ from narrows.codegen.kernels import event, single
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
+from narrows.codegen.printers.latex import Equations, environment
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import JavaScript, Language, Matlab, PythonFile, Translation
 from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
-from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data
+from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data, passport
+from narrows.model.model import Model
+from narrows.quantities.names import FORCES
 from narrows.simulation.initial_state import voyage_defaults
+from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import bank_clearance
 
 WIDTH = 108
@@ -292,8 +297,24 @@ def rates_of(exported: ExportedShip, language: C) -> dict[str, str]:
     return bodies
 
 
+def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:
+    about = [*passport(model), ExportedShip(SimulatedShip(model)).bottom_note]
+    lines = [f"% {commented(line)}" for line in about]
+    written = Equations(model.terms)
+    by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
+    by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
+    numbers = written.values(model.configuration.values())
+    # Pages break between lines.
+    parts = [environment("align*", one) for one in (by_symbols, by_numbers, numbers) if one]
+    return "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n", None
+
+
 # The text of a whole ship, by the suffix of its file.
 TEXTS: dict[str, Callable[[ExportedShip], str | bytes]] = {
     ".h": c_text, ".hpp": cpp_text, ".mjs": javascript_text, ".js": javascript_text, ".tgz": npm_bytes,
     ".py": python_text, ".m": matlab_text, ".c": simulink_text,
 }  # fmt: skip
+
+
+def ship_file(model: Model, path: str | Path, suffix: str, **choices: Any) -> tuple[str | bytes, None]:
+    return TEXTS[suffix](ExportedShip.of(model, path, **choices)), None

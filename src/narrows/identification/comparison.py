@@ -16,10 +16,9 @@ from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.normal_equations import Balance, Score, score
 from narrows.identification.verdict import NOT_SEPARABLE
-from narrows.model.bank_forms import FORMS, OPEN_WATER
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
-from narrows.model.tables import BARE, table_named
+from narrows.model.tables import BARE, FORMS, OPEN_WATER, table_named
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES
 from narrows.ship.ship_file import ShipSource

@@ -27,11 +27,10 @@ from narrows.identification.information import (
 from narrows.identification.least_squares import free_parameters
 from narrows.identification.normal_equations import accumulate
 from narrows.identification.systematic_effects import RunErrors
-from narrows.model.bank_forms import with_bank
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
-from narrows.model.tables import PAPER
+from narrows.model.tables import PAPER, with_bank
 from narrows.model.term import TermTable
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_from

@@ -1,12 +1,12 @@
 """Tables derived from others: with a rudder, asymmetry, transverse thrust, with hull coefficients for each depth."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
 from narrows.base.errors import InputError
-from narrows.model.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
+from narrows.model.term import DEPTH, FREE, NONNEGATIVE, Bound, Term, TermKind, TermTable
 from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
 from narrows.physics.rudder import RudderQuantities
@@ -34,71 +34,63 @@ class Grouped:
         return self.function(self.quantities(*values))
 
 
-# Suffix of the name of a table with the terms of a rudder.
-WITH_HELM = "helm"
-
-
-def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
-    """Return the terms of a rudder with a table's names: those of surge, sway and yaw."""
-    laws = {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}
-    return {
-        force: (Term(f"{letter}_{WITH_HELM}", f"{letter}_{{{WITH_HELM}}}", law, NUMBER, NONNEGATIVE, TermKind.RUDDER,
-                     "form of Yasukawa and Yoshimura (2015)"),)
-        for (force, law), letter in zip(laws.items(), table.letters, strict=True)
-    }  # fmt: skip
-
-
-def with_helm(table: TermTable, name: str = "") -> TermTable:
-    """Return a table with the terms of a rudder, ``table+helm`` unless it gets another name."""
-    if any(term.kind == TermKind.RUDDER for term in table.terms):
-        raise InputError(f"the terms {table.name!r} have a rudder; leave +{WITH_HELM} out")
-    return table.with_terms(name or f"{table.name}+{WITH_HELM}", **helm_terms(table))
-
-
 @dataclass(frozen=True)
-class SideTerms:
-    """A sway force and a yaw moment more, for any table."""
+class Addition:
+    """A term more in some forces of any table."""
 
     word: str  # Suffix of the name of a table with them; none if another one stands for them
     what: str  # What they are, in a sentence
     ending: str  # Ending of the names of the coefficients
     subscript: str  # The same in the symbols
-    sway: Callable[..., Number]
-    yaw: Callable[..., Number]
+    laws: Mapping[str, Callable[..., Number]]  # Regressors of ``surge``, ``sway`` and ``yaw``
     kind: TermKind
     source: str
+    bound: Bound = FREE
+    is_alone: bool = False  # True if a table may have no other terms of its kind
 
-    def names(self, table: TermTable) -> tuple[str, str]:
-        """Return a table's names for both coefficients."""
-        _, sway, yaw = table.letters
-        return f"{sway}_{self.ending}", f"{yaw}_{self.ending}"
+    def terms(self, table: TermTable) -> dict[str, Term]:
+        """Return the terms by force, with a table's names."""
+        letters = dict(zip(("surge", "sway", "yaw"), table.letters, strict=True))
+        return {
+            force: Term(f"{letters[force]}_{self.ending}", f"{letters[force]}_{self.subscript}", law, NUMBER,
+                        self.bound, self.kind, self.source)
+            for force, law in self.laws.items()
+        }  # fmt: skip
 
-    def __call__(self, table: TermTable) -> TermTable:
-        names = self.names(table)
-        if names[0] in table.names:
+    def names(self, table: TermTable) -> tuple[str, ...]:
+        return tuple(term.name for term in self.terms(table).values())
+
+    def __call__(self, table: TermTable, name: str = "") -> TermTable:
+        kinds = {term.kind for term in table.terms} if self.is_alone else set()
+        if self.kind in kinds or {*self.names(table)} & {*table.names}:
             raise InputError(f"the terms {table.name!r} have {self.what}; leave +{self.word} out")
-        sway, yaw = (
-            [Term(name, f"{letter}_{self.subscript}", regressor, NUMBER, kind=self.kind, source=self.source)]
-            for name, letter, regressor in zip(names, table.letters[1:], (self.sway, self.yaw), strict=True)
-        )
-        return table.with_terms(f"{table.name}+{self.word}" if self.word else table.name, sway=sway, yaw=yaw)
+        added = {force: [term] for force, term in self.terms(table).items()}
+        return table.with_terms(name or f"{table.name}+{self.word}".removesuffix("+"), **added)
 
+
+HELM = Addition(
+    "helm", "a rudder", "helm", "{helm}",
+    {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}, TermKind.RUDDER,
+    "form of Yasukawa and Yoshimura (2015)", NONNEGATIVE, is_alone=True,
+)  # fmt: skip
 
 # A constant force and moment, proportional to the speed squared.
-ASYMMETRY = SideTerms(
-    "asymmetry", "an asymmetry", "0", "0'", HullPower(0, 0), HullPower(0, 0, lever=1), TermKind.HULL,
+ASYMMETRY = Addition(
+    "asymmetry", "an asymmetry", "0", "0'", {"sway": HullPower(0, 0), "yaw": HullPower(0, 0, lever=1)}, TermKind.HULL,
     "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)",
 )  # fmt: skip
 
 STRAIGHTENED = "rudder_straightening_port"  # Input of the rudder of the MMG standard method
-STRAIGHTENING = SideTerms(
+STRAIGHTENING = Addition(
     "", "a flow straightening by side", "straightening", r"{\gamma}'",
-    Grouped(rudder.straightening_sway, RudderQuantities), Grouped(rudder.straightening_yaw, RudderQuantities),
+    {"sway": Grouped(rudder.straightening_sway, RudderQuantities),
+     "yaw": Grouped(rudder.straightening_yaw, RudderQuantities)},
     TermKind.RUDDER, "gamma_R by side of Yasukawa and Yoshimura (2015)",
 )  # fmt: skip
-RUDDER_EVEN = SideTerms(
+RUDDER_EVEN = Addition(
     "", "a rudder that is stronger to one side", "rudder_even", r"{\delta\delta}'",
-    Grouped(rudder.even_rudder_sway, RudderQuantities), Grouped(rudder.even_rudder_yaw, RudderQuantities),
+    {"sway": Grouped(rudder.even_rudder_sway, RudderQuantities),
+     "yaw": Grouped(rudder.even_rudder_yaw, RudderQuantities)},
     TermKind.RUDDER, "Y_deltadelta and N_deltadelta of polynomial manoeuvring models, as in Abkowitz (1964)",
 )  # fmt: skip
 
@@ -110,14 +102,15 @@ def asymmetric(table: TermTable) -> TermTable:
 
 
 # The push of a propeller that turns astern, relative to the Esso Osaka's.
-TRANSVERSE_THRUST = SideTerms(
-    "transverse_thrust", "a transverse thrust", "astern", "{astern}", propeller.transverse_thrust,
-    propeller.transverse_thrust_yaw, TermKind.PROPELLER, "MMG model of the Esso Osaka astern, Osaka University",
+TRANSVERSE_THRUST = Addition(
+    "transverse_thrust", "a transverse thrust", "astern", "{astern}",
+    {"sway": propeller.transverse_thrust, "yaw": propeller.transverse_thrust_yaw}, TermKind.PROPELLER,
+    "MMG model of the Esso Osaka astern, Osaka University",
 )  # fmt: skip
 
 # Additions to a table besides a form of the bank.
 ADDED: dict[str, Callable[[TermTable], TermTable]] = {
-    WITH_HELM: with_helm, ASYMMETRY.word: asymmetric, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
+    "helm": HELM, ASYMMETRY.word: asymmetric, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
 }  # fmt: skip
 
 # Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.

@@ -146,7 +146,7 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     """
     if any(term.kind == TermKind.RUDDER for term in model.terms.terms):
         raise InputError("the model already has a rudder; leave the other out")
-    names = dict(zip(_helm(model.terms), _helm(lender.terms), strict=True))
+    names = dict(zip(*(additions.HELM.names(one.terms) for one in (model, lender)), strict=True))
     if not set(names.values()) <= set(lender.terms.names):
         raise InputError(
             f"the lender has no {', '.join(names.values())}; give a model fitted with --terms steered, or take a ship "
@@ -157,17 +157,13 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     known = None if lender.covariance is None else lender.covariance[np.ix_(places, places)]
     steered = extend(
         model if known is not None else replace(model, covariance=None),
-        additions.with_helm(model.terms), {name: lender.coefficients[lent] for name, lent in names.items()}, known,
+        additions.HELM(model.terms), {name: lender.coefficients[lent] for name, lent in names.items()}, known,
     )  # fmt: skip
     return replace(
         steered,
         configuration=replace(model.configuration, ship=ship),
         source=replace(model.source, text=f"{model.source.text}; rudder of {lender.configuration.ship.name}"),
     )
-
-
-def _helm(terms: TermTable) -> list[str]:
-    return [term.name for helm in additions.helm_terms(terms).values() for term in helm]
 
 
 @accept_aliases

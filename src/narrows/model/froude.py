@@ -11,7 +11,7 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.results import BaseResult, Coefficients
-from narrows.model.data_range import MEASURES, DataRange
+from narrows.model.data_range import MEASURES, DataRange, extrapolation
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect
 from narrows.model.water import ship_mass, wetted_surface
@@ -202,30 +202,27 @@ def _scale_notes(model: Model, by_line: bool) -> tuple[str, ...]:
 
 def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     """Notes on the new canal outside the tested range, in ratios that do not depend on the scale."""
-    notes = []
-    old, ship = model.configuration, configuration.ship
-    wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
-    if DataRange(width_to_beam=(was, was)).outside("width_to_beam", wide):
-        notes.append(f"W/B = {wide:.2f} is not that of the tests, {was:.2f}.")
-    if configuration.canal.depth is None:
-        return (*notes, "The depth of the water is not given, so h/T and the depth Froude number are not known.")
-    covered = model.data_range.depth_to_draft or (old.canal.depth and (old.canal.depth / old.ship.draft,) * 2)
-    ratio = configuration.canal.depth / ship.draft
-    if not covered:
-        notes.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
-    elif DataRange(depth_to_draft=covered).outside("depth_to_draft", ratio):
-        span = f"{covered[0]:.2f} to {covered[1]:.2f}"
-        outside = f"tests' {span}"
-        if model.source.estimate:
-            outside = (
-                f"{span} that the hull was estimated for; estimate it anew: narrows estimate --length {ship.length:g} "
-                f"--beam {ship.beam:g} --draft {ship.draft:g} --block {ship.block_coefficient:g} --width "
-                f"{configuration.canal.width:g} --depth {configuration.canal.depth:g} -o ship.toml"
-            )
-        notes.append(f"h/T = {ratio:.2f} is outside the {outside}.")
+    old, ship, canal = model.configuration, configuration.ship, configuration.canal
+    was, deep = old.canal.width / old.ship.beam, old.canal.depth and (old.canal.depth / old.ship.draft,) * 2
+    depths = model.data_range.depth_to_draft or deep
+    known, asked = (
+        DataRange(width_to_beam=(was, was), depth_to_draft=depths),
+        {"width_to_beam": canal.width / ship.beam},
+    )
+    if canal.depth is None:
+        unknown = "The depth of the water is not given, so h/T and the depth Froude number are not known."
+        return (*extrapolation(known, asked), unknown)
+    asked["depth_to_draft"] = canal.depth / ship.draft
+    notes = [*extrapolation(known, asked, unknown=True)]
+    if model.source.estimate and known.outside("depth_to_draft", asked["depth_to_draft"]):
+        notes.append(
+            f"The hull was estimated for another depth; estimate it anew: narrows estimate --length {ship.length:g} "
+            f"--beam {ship.beam:g} --draft {ship.draft:g} --block {ship.block_coefficient:g} --width {canal.width:g} "
+            f"--depth {canal.depth:g} -o ship.toml."
+        )
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
-        most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
+        most = froude * (GRAVITY * canal.depth) ** 0.5
         notes.append(f"Beyond {most:.3g} m/s its depth Froude number leaves the tests', up to {froude:.3g}.")
     return tuple(notes)
 

@@ -14,9 +14,9 @@ import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
 from narrows.base.results import BaseResult, Coefficients, Named
-from narrows.model.bank_forms import without_bank
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
+from narrows.model.tables import without_bank
 from narrows.model.term import Term, TermTable
 from narrows.quantities.names import MOTION, Number
 from narrows.ship.checks import check_ahead, check_angles, is_finite

@@ -1,16 +1,218 @@
-"""Water around a moving ship, the speed that chokes the section, and a ship's mass, inertia and added mass."""
+"""Water around a moving ship: squat by formulas, sinkage, the speed that chokes the section; mass and added mass."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
+from narrows.base.aliases import accept_aliases
+from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.results import BaseResult
 from narrows.physics import squat_and_depth as formulas
 from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import choice, maximum, minimum
-from narrows.quantities.names import Number
-from narrows.ship.particulars import Configuration, Ship
+from narrows.quantities.names import Number, argument_names
+from narrows.ship.checks import is_finite
+from narrows.ship.particulars import Configuration, Configured, Ship
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Sinkage = Literal["midship", "bow", "largest"]
+GIVES = get_args(Sinkage)
+VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
+
+
+@dataclass(frozen=True)
+class SquatFormula:
+    """A squat formula.
+
+    >>> nw.SQUAT["huuska"].gives
+    'bow'
+    """
+
+    function: Callable[..., Number]  #: Function; its arguments are names of the vocabulary
+    gives: str  #: Kind of sinkage: ``midship``, ``bow``, ``largest`` or ``mean``
+    status: str  #: Reliability of the formula
+    #: Range of validity [1]: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``
+    limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+
+    @property
+    def source(self) -> str:
+        """Its source."""
+        text = inspect.cleandoc(self.function.__doc__ or "").partition("Source:")[2]
+        return " ".join(text.partition("\n\n")[0].split()).rstrip(".")
+
+
+SUBCRITICAL = {"froude": (0.0, 0.7)}
+# The formulas by name, the preferred first.
+SQUAT = {
+    "huuska": SquatFormula(formulas.huuska, "bow", VERIFIED, {**SUBCRITICAL, "block_coefficient": (0.6, 0.8)}),
+    "icorels": SquatFormula(formulas.icorels, "bow", VERIFIED, {**SUBCRITICAL, "blockage": (0.0, 0.03)}),
+    "barrass": SquatFormula(
+        formulas.barrass, "largest", VERIFIED, {"blockage": (0.10, 0.25), "depth_to_draft": (1.1, 1.4)}
+    ),
+    "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SUBCRITICAL),
+    "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SUBCRITICAL),
+    "continuity": SquatFormula(formulas.continuity, "mean", "derived from its equations"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class Squat(BaseResult):
+    """A sinkage and its formula."""
+
+    sinkage: float  #: Sinkage [m]
+    formula: str  #: Its name in ``SQUAT``
+    gives: str  #: Kind of sinkage
+    critical_speed: float  #: Speed at which the canal chokes [m/s]
+    notes: tuple[str, ...]  #: Uses outside the formula's range, or an unverified formula
+    #: Ship and speed [m/s], for the sinkage of other places: ``bow``, ``midship``, ``largest``
+    of: tuple[Configuration, float] | None = field(default=None, compare=False)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return it as a table of one row, by the formula's name."""
+        import pandas as pd
+
+        row = {"formula": self.formula, "gives": self.gives, "sinkage": self.sinkage}
+        return pd.DataFrame([row | {"critical_speed": self.critical_speed}]).set_index("formula")
+
+    def summary(self) -> str:
+        return (
+            f"The {self.gives} sinkage is {self.sinkage:.3g} m by {self.formula}; the canal chokes at "
+            f"{self.critical_speed:.3g} m/s."
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        values = {name: value for name, value in vars(self).items() if name != "of"}
+        return {**values, "notes": list(self.notes), "summary": self.summary()}
+
+
+def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
+    """Return the quantities of validity ranges: froude, blockage, depth_to_draft, block_coefficient [1]."""
+    ship, canal = configuration.ship, configuration.canal
+    if canal.depth is None:
+        raise InputError("[canal] depth is not given, and squat needs it; add it in metres")
+    return {
+        "froude": float(formulas.depth_froude(speed, canal.depth)),
+        "blockage": float(formulas.blockage(ship.beam, ship.draft, canal.width, canal.depth)),
+        "depth_to_draft": canal.depth / ship.draft,
+        "block_coefficient": ship.block_coefficient,
+    }
+
+
+def sinkage_by(formula: SquatFormula, configuration: Configuration, speed: float) -> float:
+    """Evaluate a formula for a ship in a canal of known depth, at a speed through the water [m/s]: sinkage [m]."""
+    values = {**configuration.values(), "u": speed}
+    return float(formula.function(*[values[name] for name in argument_names(formula.function)]))
+
+
+def limits_left(formula: SquatFormula, configuration: Configuration, speed: float) -> tuple[str, ...]:
+    """Describe where a ship is outside the formula's range."""
+    values = ratios(configuration, speed)
+    return tuple(
+        f"{name.replace('_', ' ')} {values[name]:.3g} is outside {low:g} to {high:g}"
+        for name, (low, high) in formula.limits.items()
+        if not low <= values[name] <= high
+    )
+
+
+@accept_aliases
+def choke_speed(ship: Configured | Configuration) -> float:
+    """Return the critical speed of a ship in its canal [m/s] (Schijf).
+
+    Raises an InputError if the canal has no depth.
+
+    Parameters
+    ----------
+    ship : Model or Configuration
+        Ship and canal.
+
+    Examples
+    --------
+    >>> round(nw.choke_speed(kcs), 1)
+    8.6
+    """
+    configuration = configuration_of(ship)
+    ratios(configuration, 0.0)
+    hull, canal = configuration.ship, configuration.canal
+    return float(formulas.critical_speed(hull.beam, hull.draft, canal.width, canal.depth))
+
+
+def configuration_of(ship: Configured | Configuration) -> Configuration:
+    """Return ship and canal of a model or the like; a configuration is returned unchanged."""
+    if isinstance(ship, Configured):
+        return ship.configuration
+    if not isinstance(ship, Configuration):
+        raise InputError(f"{shown(ship)} is no ship in a canal; give a model, or nw.Configuration(ship, canal)")
+    return ship
+
+
+@accept_aliases
+def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
+    """Estimate the sinkage of a ship at a speed.
+
+    It uses the first formula of ``SQUAT`` that gives the requested sinkage and is valid here; if none is valid, the
+    first that gives it, with notes. If the water of voyages (one-dimensional continuity and energy, with Barrass's
+    trim) gives more, as near the critical speed, that is used: no ship is clear here that touches in a voyage.
+
+    Raises an InputError if the depth is missing, the ship is as fast as the canal allows or faster, or a name is
+    unknown.
+
+    Parameters
+    ----------
+    ship : Model or Configuration
+        Ship and canal; the depth must be given.
+    u : float [m/s]
+        Speed through the water.
+    gives : str
+        ``midship``, ``bow`` or ``largest``.
+    formula : str, optional
+        Formula to use instead.
+
+    Examples
+    --------
+    >>> print(nw.squat(kcs, u=5.0).summary())
+    The midship sinkage is 0.249 m by continuity; the canal chokes at 8.6 m/s.
+    """
+    if gives not in GIVES:
+        raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")
+    if formula is not None and formula not in SQUAT:
+        raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
+    if formula is not None and SQUAT[formula].gives != gives:
+        remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
+        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
+    configuration, critical = configuration_of(ship), choke_speed(ship)
+    if not is_finite(u):
+        raise InputError(f"u = {shown(u)} is not one speed in m/s; call squat for each of several")
+    if not 0 <= u < critical:
+        raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
+    offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
+    holding = [name for name in offered if not limits_left(SQUAT[name], configuration, u)]
+    name = (holding or offered)[0]
+    chosen = SQUAT[name]
+    doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
+    notes = (*doubts, *limits_left(chosen, configuration, u))
+    sinkage = sinkage_by(chosen, configuration, u)
+    if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
+        less = f"{name} gives less"
+        return Squat(narrow, "continuity", gives, critical, (less,), (configuration, u))
+    return Squat(sinkage, name, gives, critical, notes, (configuration, u))
+
+
+def _of_voyages(configuration: Configuration, speed: float) -> dict[str, Number]:
+    """Sinkages by kind [m] in the water in which voyages sail: continuity, energy and trim."""
+    values = configuration.values()
+    water, still = water_under_way(values, speed), values["depth"] - values["draft"]
+    return {
+        "midship": water.sinkage,
+        # The trim of a fine ship lifts its bow, by a factor that is not verified: it is not counted on.
+        "bow": np.maximum(water.sinkage, still - water.bow),
+        "largest": still - np.minimum(water.bow, water.stern),
+    }
 
 
 class WaterUnderWay(NamedTuple):

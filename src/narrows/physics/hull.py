@@ -75,31 +75,6 @@ def rigid_yaw(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_
     return -inertia * rdot - mass * x_g * (vdot + u * r)
 
 
-def added_surge(udot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Surge force of the added mass in surge per unit m_x' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
-    return -scale_force(length, draft, density) * length * udot
-
-
-def added_surge_turning(u: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Sway force of the added mass in surge per unit m_x' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
-    return -scale_force(length, draft, density) * length * u * r
-
-
-def added_sway(vdot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Sway force of the added mass in sway per unit m_y' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
-    return -scale_force(length, draft, density) * length * vdot
-
-
-def added_sway_turning(v: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Surge force of the added mass in sway per unit m_y' [N]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
-    return scale_force(length, draft, density) * length * v * r
-
-
-def added_yaw(rdot: Number, length: Number, draft: Number, density: Number) -> Number:
-    """Yaw moment of the added inertia per unit J_z' [N m]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
-    return -scale_force(length, draft, density) * length**3 * rdot
-
-
 @dataclass(frozen=True)
 class Product:
     """Regressor of a derivative: minus a product of velocities or accelerations, as in ``|v| r``; bars mark sizes.
@@ -128,6 +103,31 @@ class Product:
     def __call__(self, *values: Number) -> Number:
         first, *others = (abs(values[place]) if is_size else values[place] for place, is_size in self._parts)
         return math.prod(others, start=-first)
+
+
+@dataclass(frozen=True)
+class AddedMass:
+    """Force of an added mass per unit of m_x' or m_y' [N], moment of an added inertia per unit of J_z' [N m].
+
+    Source: Yasukawa and Yoshimura (2015), eq. (4).
+    """
+
+    factors: str  # Velocities and accelerations
+    power: int = 1  # Of the length in the scale 1/2 rho L d L^power
+    is_ahead: bool = False  # True for v r, which pushes ahead
+
+    @property
+    def name(self) -> str:
+        return f"added_mass({self.factors})"
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        return (*self.factors.split(), "length", "draft", "density")
+
+    def __call__(self, *values: Number) -> Number:
+        *motion, length, draft, density = values
+        scale = scale_force(length, draft, density) * length**self.power
+        return math.prod(motion, start=scale if self.is_ahead else -scale)
 
 
 # Added mass and inertia of a hull in deep water, by regression over ships.

@@ -10,7 +10,7 @@ from typing import Any
 
 from narrows.base.errors import check_choice
 from narrows.base.results import Tabulated
-from narrows.model.squat import choke_speed
+from narrows.model.water import choke_speed
 from narrows.quantities.names import KNOT
 from narrows.ship.particulars import Configuration
 

@@ -12,7 +12,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.results import Aliased
 from narrows.model.model import Model
-from narrows.model.squat import choke_speed, squat
+from narrows.model.water import choke_speed, squat
 from narrows.quantities.names import AIR_DENSITY, Number
 from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, RESERVE, SLOWEST, SPEEDS
 from narrows.simulation.grid import labelled

@@ -11,7 +11,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.codegen.kernels import event
 from narrows.model.model import Model
-from narrows.model.squat import choke_speed
+from narrows.model.water import choke_speed
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import PROPELLER, places_of
 from narrows.ship.motion import Motion

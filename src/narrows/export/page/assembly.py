@@ -31,7 +31,6 @@ from narrows.export.passport import passport
 from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice
-from narrows.quantities.names import Number
 from narrows.simulation.controllers import LAST_ORDER, ControlLaw, Named
 from narrows.simulation.grid import symmetric_root
 from narrows.simulation.initial_state import voyage_defaults
@@ -40,18 +39,23 @@ from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.web import asset, without_exports
 
 
-def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[str, tuple[str, ...]]:
-    u = float(voyage_defaults(ship.model).speed if speed is None else speed)
-    finite_numbers(u=u)
-    if not u > 0:
-        raise InputError(f"u = {u:g} m/s: a page shows ships that make way; give a speed over 0")
-    helm, why = helm_of(ship.model, u)
+def page_file(
+    model: Model, path: str | Path, suffix: str, title: str = "", u: float | None = None, **choices: Any
+) -> tuple[str, tuple[str, ...]]:
+    ship = SimulatedShip(model, **choices)
+    if ship.contact == "none":
+        raise InputError("a page shows a canal, and contact 'none' has no banks; choose 'corners'")
+    speed = float(voyage_defaults(model).speed if u is None else u)
+    finite_numbers(u=speed)
+    if not speed > 0:
+        raise InputError(f"u = {speed:g} m/s: a page shows ships that make way; give a speed over 0")
+    helm, why = helm_of(model, speed)
     exported = ExportedShip(ship, None, SHIP, steering_of(helm, ship.actuators))
     lacking = lacks_zig("WebAssembly")
     wasm = None if lacking else wasm_of(exported)
-    own = title or f"{ship.model.configuration.ship.name} {_where(ship.model)}: every line is one ship"
-    notes = (f"{SLOWER}: {lacking}" if lacking else "", why, ship.model.bank_note)
-    return page_text(exported, u, own, why, wasm), tuple(filter(None, notes))
+    title = title or f"{model.configuration.ship.name} {_where(model)}: every line is one ship"
+    notes = (f"{SLOWER}: {lacking}" if lacking else "", why, model.bank_note)
+    return page_text(exported, speed, title, why, wasm), tuple(filter(None, notes))
 
 
 def _where(model: Model) -> str:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -59,57 +60,60 @@ def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slid
     ]  # fmt: skip
 
 
+def _slider(
+    model: Model, group: str, name: str, label: str, unit: str, ends: Range, fine: float, value: float,
+    known: Range | None = None, scale: float = 1.0, both: bool = False, told: str | None = None,
+) -> Slider:  # fmt: skip
+    """Return a slider by its step, with the range of the data: ``known`` times ``scale``, of ``both`` signs."""
+    words = None
+    if known is not None:
+        whose = "other ships" if model.source.estimate else "tested"
+        words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+    low, high = (_to(end, fine) for end in ends)
+    return Slider(name, label, unit, group, low, high, fine, value, covered(known, scale, both), words, told)
+
+
 def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
     model = exported.ship.model
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
     inputs, is_open, degree = {one.name: one.value for one in exported.inputs}, is_open_water(model), math.degrees(1.0)
-    most = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2
+    most, slider = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2, partial(_slider, model, VOYAGE)
     if steered:
         line = "dashed line" if is_open else "middle"
         yield Slider("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
-    fine = _fine(speed / 50)
-    yield Slider("u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed,
-                 **_tested(model, known.speed, fine, "m/s"))  # fmt: skip
-    off = _fine(most / 200)
-    yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, off), _to(most, off), off,
-                 _to(min(most / 9, ship.length), off), **_tested(model, known.abs_y, off, "m", both=True))  # fmt: skip
-    yield Slider("psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0,
-                 **_tested(model, known.abs_psi, 0.1, "°", degree, both=True))  # fmt: skip
+    fine, off = _fine(speed / 50), _fine(most / 200)
+    yield slider("u", "speed", "m/s", (0.3 * speed, 1.6 * speed), fine, speed, known.speed)
+    start = _to(min(most / 9, ship.length), off)
+    yield slider("y", "start, to starboard", "m", (-most, most), off, start, known.abs_y, both=True)
+    yield slider("psi", "heading, to starboard", "°", (-12, 12), 0.1, 0, known.abs_psi, degree, both=True)
     if "rudder" in exported.kept:
         limit = math.floor(math.degrees(model.configuration.gear.limit))
-        yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
+        yield slider("rudder", "rudder, to starboard", "°", (-limit, limit), 0.5, 0)
     if "revolutions" in inputs:
         n = inputs["revolutions"]
-        turn = _fine(n / 100)
-        fastest, astern = _to(2 * n, turn), getattr(model.configuration.propeller, "turns_astern", False)
-        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, -fastest if astern else 0, fastest, turn, n)
-    low, high = _to(-0.25 * speed, fine), _to(0.5 * speed, fine)
-    yield Slider("current", "current, from astern", "m/s", VOYAGE, low, high, fine, 0)
+        astern = getattr(model.configuration.propeller, "turns_astern", False)
+        yield slider("revolutions", "revolutions", "1/s", (-2 * n if astern else 0, 2 * n), _fine(n / 100), n)
+    yield slider("current", "current, from astern", "m/s", (-0.25 * speed, 0.5 * speed), fine, 0)
 
 
 def _canal(model: Model, deep: bool) -> Iterator[Slider]:
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
+    slider = partial(_slider, model, CANAL)
     if not is_open_water(model):
-        fine = _fine(canal.width / 200)
-        low, high = _to(NARROWEST * ship.beam, fine), _to(WIDEST * canal.width, fine)
-        tested = _tested(model, known.width_to_beam, fine, "m", ship.beam)
-        yield Slider(
-            "width", "width", "m", CANAL, low, high, fine, canal.width, **tested, told="the width of the canal"
-        )
+        yield slider("width", "width", "m", (NARROWEST * ship.beam, WIDEST * canal.width), _fine(canal.width / 200),
+                     canal.width, known.width_to_beam, ship.beam, told="the width of the canal")  # fmt: skip
     if deep and canal.depth:
-        fine, deepest = _fine(ship.draft / 100), max(4 * ship.draft, canal.depth)
-        low, high = _to(1.1 * ship.draft, fine), _to(deepest, fine)
-        tested = _tested(model, known.depth_to_draft, fine, "m", ship.draft)
-        yield Slider(
-            "depth", "depth", "m", CANAL, low, high, fine, canal.depth, **tested, told="the depth of the canal"
-        )
+        ends = 1.1 * ship.draft, max(4 * ship.draft, canal.depth)
+        yield slider("depth", "depth", "m", ends, _fine(ship.draft / 100), canal.depth, known.depth_to_draft,
+                     ship.draft, told="the depth of the canal")  # fmt: skip
 
 
 def _unknown(model: Model) -> Iterator[Slider]:
-    fine, spread = _fine(model.configuration.ship.length / 800), START_SPREAD * model.configuration.ship.length
-    yield Slider("sd_y", "spread of starts", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
-    yield Slider("sd_psi", "spread of headings", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
-    yield Slider("doubt", "spread of coefficients", "×", UNKNOWN, 0, 3, 0.05, 1)
+    slider, length = partial(_slider, model, UNKNOWN), model.configuration.ship.length
+    fine, spread = _fine(length / 800), START_SPREAD * length
+    yield slider("sd_y", "spread of starts", "m", (0, 6 * spread), fine, _to(spread, fine))
+    yield slider("sd_psi", "spread of headings", "°", (0, 3), 0.05, HEADING_SPREAD)
+    yield slider("doubt", "spread of coefficients", "×", (0, 3), 0.05, 1)
     yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
     if not is_open_water(model):
         yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
@@ -143,17 +147,6 @@ def covered(known: Range | None, scale: float = 1.0, both: bool = False) -> Rang
         return None
     low, high = tolerated(known)
     return -scale * high if both else scale * low, scale * high
-
-
-def _tested(
-    model: Model, known: Range | None, fine: float, unit: str, scale: float = 1.0, both: bool = False
-) -> dict[str, Any]:
-    """Return the range that the data cover, and in words with whose data they are."""
-    if known is None:
-        return {}
-    whose = "other ships" if model.source.estimate else "tested"
-    words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
-    return {"tested": covered(known, scale, both), "beyond": words}
 
 
 def _ends(known: Range, fine: float) -> str:
