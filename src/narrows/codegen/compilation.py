@@ -1,7 +1,7 @@
-"""Compilation: straight lines of Python by LLVM, for one vessel or over lanes as vectors; loops by Numba.
+"""Compilation: straight lines of Python by LLVM, for one vessel or in loops over lanes; other loops by Numba.
 
 Numba infers types and counts references, which takes seconds where formulas are long. A straight line of numbers needs
-neither, and a loop over lanes is written as vectors at once. For Numba: checked files of its code.
+neither; LLVM makes vectors of the loops over lanes. For Numba: checked files of its code.
 """
 
 import ast
@@ -22,9 +22,7 @@ INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
 # Arguments that are arrays, and whole numbers; all others are numbers.
 ARRAYS = ("block", "table", "shared", "z", "inputs", "values", "constants")
 INTEGERS = ("lane", "first")
-# Bytes of a number, and numbers of a vector.
-SIZE, WIDTH = 8, 8
-VECTOR = ir.VectorType(DOUBLE, WIDTH)
+SIZE = 8  # Bytes of a number
 # Fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit.
 FAST = ("nsz", "contract")
 ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.LShift: "shl"}
@@ -50,12 +48,14 @@ def optimised(module: ModuleType, name: str) -> tuple[Any, Any]:
     function = Compiler(vars(module)["TEXT"]).function(name)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
+    features = llvm.get_host_cpu_features().flatten()
+    if "+avx2" in features:  # Many processors gather from a table more slowly than they read number by number
+        features += ",+prefer-no-gather"
     machine = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
-        jit=True,
-    )  # fmt: skip
+        cpu=llvm.get_host_cpu_name(), features=features, opt=3, codemodel="jitdefault", jit=True
+    )
     compiled = llvm.parse_assembly(str(function.module))
-    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(compiled, builder)
     return compiled, machine
 
@@ -96,8 +96,8 @@ class Compiler:
 class Body:
     """Statements of a function, written where a builder stands."""
 
-    def __init__(self, compiler: Compiler, builder: ir.IRBuilder, scope: dict[str, Value], lane: str = "") -> None:
-        self.compiler, self.builder, self.scope, self.lane = compiler, builder, scope, lane
+    def __init__(self, compiler: Compiler, builder: ir.IRBuilder, scope: dict[str, Value]) -> None:
+        self.compiler, self.builder, self.scope = compiler, builder, scope
 
     def run(self, statements: Sequence[ast.stmt]) -> Value:
         for statement in statements:
@@ -117,25 +117,22 @@ class Body:
         return None
 
     def _loop(self, lane: str, count: int, body: Sequence[ast.stmt]) -> None:
-        """Write a loop over lanes, a vector of them at a time; flags set before it are carried through it."""
+        """Write a loop over lanes; flags set before it are carried through it."""
         builder, before, begun = self.builder, self.builder.block, self.builder.append_basic_block()
         builder.branch(begun)
         builder.position_at_end(begun)
-        inside = Body(self.compiler, builder, dict(self.scope), lane)
-        flags = ir.VectorType(BOOLEAN, WIDTH)
         targets = [node.targets[0] for node in body if isinstance(node, ast.Assign)]
         assigned = {target.id for target in targets if isinstance(target, ast.Name)}
-        phis = {name: builder.phi(flags) for name in sorted(self.scope.keys() & assigned)}
+        phis = {name: builder.phi(BOOLEAN) for name in sorted(self.scope.keys() & assigned)}
         first = builder.phi(INTEGER)
-        inside.scope |= {**phis, lane: first}
+        inside = Body(self.compiler, builder, {**self.scope, **phis, lane: first})
         inside.run(body)
-        ahead, end = builder.add(first, INTEGER(WIDTH)), builder.block
-        after = builder.append_basic_block()
+        ahead, after = builder.add(first, INTEGER(1)), builder.append_basic_block()
         for name, phi in phis.items():
-            phi.add_incoming(self._as(self.scope[name], flags), before)
-            phi.add_incoming(inside.scope[name], end)
+            phi.add_incoming(self._as(self.scope[name], BOOLEAN), before)
+            phi.add_incoming(inside.scope[name], builder.block)
         first.add_incoming(INTEGER(0), before)
-        first.add_incoming(ahead, end)
+        first.add_incoming(ahead, builder.block)
         builder.cbranch(builder.icmp_unsigned("<", ahead, INTEGER(count)), begun, after)
         builder.position_at_end(after)
         self.scope.update({name: inside.scope[name] for name in phis})
@@ -157,23 +154,19 @@ class Body:
             case ast.Compare(left=left, ops=[sign], comparators=[right]):
                 return builder.fcmp_ordered(COMPARED[type(sign)], *self._alike(self.value(left), self.value(right)))
             case ast.IfExp(test=test, body=over, orelse=under):
-                chosen = self.value(test)
-                kind = VECTOR if _is_vector(chosen) else DOUBLE
-                return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
+                values = (self._as(self.value(one), DOUBLE) for one in (over, under))
+                return builder.select(self.value(test), *values)
             case ast.Subscript(value=array, slice=place):
-                own, at = self.value(array), self._index(place)
-                of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
-                kind = VECTOR if of_lanes else DOUBLE
-                return builder.load(self._place(own, at), align=SIZE, typ=kind)
+                return builder.load(self._place(self.value(array), self._index(place)), align=SIZE, typ=DOUBLE)
             case ast.Call(func=ast.Name(id=name), args=given):
                 return self._called(name, [self.value(one) for one in given])
             case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[ast.Name()]):
-                return self._cast(self.value(value), DOUBLE, "bitcast")
+                return builder.bitcast(self.value(value), DOUBLE)
             case ast.Call(func=ast.Attribute(value=value, attr="view")):
-                return self._cast(self.value(value), INTEGER, "bitcast")
+                return builder.bitcast(self.value(value), INTEGER)
             case ast.Call(func=ast.Attribute(value=ast.Name(id="np")), args=[number]):
                 value = self.value(number)
-                return value if isinstance(_element(value), ir.IntType) else self._cast(value, INTEGER, "fptosi")
+                return value if value.type == INTEGER else builder.fptosi(value, INTEGER)
         raise TypeError(f"no straight line: {ast.unparse(node)}")
 
     def _index(self, place: ast.expr) -> Value:
@@ -193,88 +186,53 @@ class Body:
         if isinstance(operator, ast.BitAnd):
             return self.builder.and_(left, right)
         name = ARITHMETIC[type(operator)]
-        if isinstance(_element(left), ir.IntType):
+        if isinstance(left.type, ir.IntType):
             return getattr(self.builder, name)(left, right)
         return getattr(self.builder, f"f{name}")(left, right, flags=FAST)
 
     def _called(self, name: str, given: list[Value]) -> Value:
+        builder = self.builder
         if name in INTRINSICS:
             return self._intrinsic(INTRINSICS[name], *given)
         if name in ("min", "max"):
             first, second = self._alike(*given)
-            is_second = self.builder.fcmp_ordered("<" if name == "min" else ">", second, first)
-            return self.builder.select(is_second, second, first)
+            is_second = builder.fcmp_ordered("<" if name == "min" else ">", second, first)
+            return builder.select(is_second, second, first)
         if name == "any_false":
-            flags = self.builder.bitcast(self.builder.not_(given[0]), ir.IntType(WIDTH))
-            return self.builder.zext(self.builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
+            return builder.zext(builder.not_(given[0]), INTEGER)
         if name == "real":
-            whole = isinstance(given[0], ir.Value) and isinstance(_element(given[0]), ir.IntType)
-            return self._cast(given[0], DOUBLE, "sitofp") if whole else given[0]
+            whole = isinstance(given[0], ir.Value) and given[0].type == INTEGER
+            return builder.sitofp(given[0], DOUBLE) if whole else given[0]
         if name == "entry":
-            return self._entry(given[0], int(given[1]), self._cast(given[2], INTEGER, "fptosi"))
+            table, column, cell = given
+            row = self._arithmetic(ast.Mult(), builder.fptosi(cell, INTEGER), self.compiler.constants["CELL_ENTRIES"])
+            place = self._place(table, self._arithmetic(ast.Add(), row, column))
+            return builder.load(place, align=SIZE, typ=DOUBLE)
         function = self.compiler.functions[name]
         scope = dict(zip((one.arg for one in function.args.args), given, strict=True))
-        return Body(self.compiler, self.builder, scope, self.lane).run(function.body)
+        return Body(self.compiler, builder, scope).run(function.body)
 
     def _intrinsic(self, name: str, *given: Value) -> Value:
         given = self._alike(*given)
-        kind = given[0].type
-        kinds = f"v{kind.count}f64" if _is_vector(given[0]) else "f64"
-        signature = ir.FunctionType(kind, [kind] * len(given))
-        function = self.compiler.module.declare_intrinsic(f"llvm.{name}.{kinds}", (), signature)
+        signature = ir.FunctionType(DOUBLE, [DOUBLE] * len(given))
+        function = self.compiler.module.declare_intrinsic(f"llvm.{name}.f64", (), signature)
         return self.builder.call(function, given, fastmath=FAST)
 
-    def _entry(self, table: Value, column: int, cell: Value) -> Value:
-        if not _is_vector(cell):
-            return self._read(table, cell, column)
-        out = ir.Constant(VECTOR, ir.Undefined)
-        for lane in range(cell.type.count):
-            one = self._read(table, self.builder.extract_element(cell, INTEGER(lane)), column)
-            out = self.builder.insert_element(out, one, INTEGER(lane))
-        return out
-
-    def _read(self, table: Value, cell: Value, column: int) -> Value:
-        builder = self.builder
-        row = builder.mul(cell, INTEGER(self.compiler.constants["CELL_ENTRIES"]))
-        place = builder.gep(table, [builder.add(row, INTEGER(column))], source_etype=DOUBLE)
-        return builder.load(place, align=SIZE, typ=DOUBLE)
-
     def store(self, array: Value, place: Value, value: Value) -> None:
-        kind = VECTOR if self.lane else DOUBLE
-        self.builder.store(self._as(value, kind), self._place(array, place), align=SIZE)
+        self.builder.store(self._as(value, DOUBLE), self._place(array, place), align=SIZE)
 
     def _place(self, array: Value, place: Value) -> Value:
         at = place if isinstance(place, ir.Value) else INTEGER(place)
         return self.builder.gep(array, [at], source_etype=DOUBLE)
 
-    def _cast(self, value: Value, element: ir.Type, how: str) -> Value:
-        kind = ir.VectorType(element, value.type.count) if _is_vector(value) else element
-        return getattr(self.builder, how)(value, kind)
-
     def _alike(self, *values: Value) -> tuple[Value, ...]:
-        """Return values of one type: numbers of Python as constants, single numbers as lanes where one has lanes."""
-        kinds = [one.type for one in values if isinstance(one, ir.Value)]
-        vectors = [kind for kind in kinds if isinstance(kind, ir.VectorType)]
-        return tuple(self._as(one, (vectors + kinds)[0]) for one in values)
+        """Return values of one type: numbers of Python as constants."""
+        kind = next(one.type for one in values if isinstance(one, ir.Value))
+        return tuple(self._as(one, kind) for one in values)
 
-    def _as(self, value: Value, kind: ir.Type) -> Value:
-        element = kind.element if isinstance(kind, ir.VectorType) else kind
-        if not isinstance(value, ir.Value):
-            number = int(value) if isinstance(element, ir.IntType) else float(value)
-            return ir.Constant(kind, [number] * kind.count) if element is not kind else ir.Constant(kind, number)
-        if value.type == kind:
-            return value
-        one = self.builder.insert_element(ir.Constant(kind, ir.Undefined), value, INTEGER(0))
-        places = ir.Constant(ir.VectorType(ir.IntType(32), kind.count), [0] * kind.count)
-        return self.builder.shuffle_vector(one, ir.Constant(kind, ir.Undefined), places)
-
-
-def _is_vector(value: Value) -> bool:
-    return isinstance(value, ir.Value) and isinstance(value.type, ir.VectorType)
-
-
-def _element(value: Value) -> ir.Type:
-    return value.type.element if _is_vector(value) else value.type
+    @staticmethod
+    def _as(value: Value, kind: ir.Type) -> Value:
+        return value if isinstance(value, ir.Value) else kind(int(value) if kind is not DOUBLE else float(value))
 
 
 # Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged

@@ -18,7 +18,9 @@ from narrows.identification.normal_equations import ONE, NormalEquations, Score,
 from narrows.identification.systematic_effects import Effect
 from narrows.model.froude import ittc57
 from narrows.model.term import Term, TermKind, TermTable
-from narrows.model.water import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
+from narrows.model.water import ship_inertia, ship_mass, wetted_surface
+from narrows.physics.hull import clarke_sway, clarke_yaw
+from narrows.quantities.names import evaluate
 
 IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
 AT_BOUND, NOT_EXCITED, NOT_IDENTIFIABLE = "at bound", "not excited", "not identifiable"
@@ -228,8 +230,8 @@ EXCHANGED = (
 Known = dict[str, tuple[float, float]]  # Estimate without bounds and standard error, where the tests determine it
 # Force, acceleration and name of a mass or inertia; its unit, its bare value and its added value in deep water.
 MASSES = (
-    ("Y", "vdot", "mass in sway", "kg", ship_mass, added_sway),
-    ("N", "rdot", "inertia in yaw", "kg m2", ship_inertia, added_yaw),
+    ("Y", "vdot", "mass in sway", "kg", ship_mass, clarke_sway),
+    ("N", "rdot", "inertia in yaw", "kg m2", ship_inertia, clarke_yaw),
 )
 
 
@@ -306,14 +308,14 @@ def bank_sentence(terms: TermTable, known: Known) -> str:
 
 
 def mass_sentence(
-    fit: Any, known: Known, force: str, rate: str, words: str, unit: str, bare_of: Any, added_of: Any
+    fit: Any, known: Known, force: str, rate: str, words: str, unit: str, bare_of: Any, clarke: Any
 ) -> str:
     """Warn that a mass or inertia is implausible for the ship with its added mass, and why."""
     names = [term.name for term in fit.terms.forces[force] if term.inputs == (rate,)]
     if len(names) != 1 or names[0] not in known:
         return ""
     (name,), equations, configuration = names, fit.normal_equations, fit.tests.configuration
-    bare, added = bare_of(configuration), added_of(configuration)
+    bare, added = bare_of(configuration), evaluate(clarke, configuration.values())
     least, most, (value, std) = bare + LEAST_ADDED * added, MOST * (bare + added), known[name]
     if least <= value + SURE * std and value - SURE * std <= most:
         return ""

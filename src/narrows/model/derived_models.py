@@ -12,7 +12,7 @@ from narrows.model import additions
 from narrows.model.froude import DerivedModel
 from narrows.model.model import Model
 from narrows.model.term import DepthLaw, TermKind, TermTable
-from narrows.quantities.names import argument_names
+from narrows.quantities.names import evaluate
 from narrows.ship.particulars import Configuration
 
 # h/T below which the corrections contradict measurements: the drift force by half, for the KCS at 1.2.
@@ -48,8 +48,7 @@ def _factors(model: Model, depth: float) -> dict[str, float]:
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
     """Return the factor of a coefficient relative to deep water at a depth [1]."""
-    values = {**configuration.values(), "depth": depth}
-    return float(law.factor(*[values[word] for word in argument_names(law.factor)]))
+    return float(evaluate(law.factor, {**configuration.values(), "depth": depth}))
 
 
 @accept_aliases

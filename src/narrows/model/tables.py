@@ -27,7 +27,7 @@ from narrows.physics.propeller import PropellerQuantities
 from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
-from narrows.quantities.names import Number, argument_names, name_of
+from narrows.quantities.names import Number, argument_names, evaluate, name_of
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,7 @@ class Composed:
 
     def __call__(self, *values: Number) -> Number:
         at = dict(zip(self.inputs, values, strict=True))
-        result = self.parameter(*[at[name] for name in argument_names(self.parameter)])
-        return self.law(result, *[at[name] for name in argument_names(self.law)[1:]])
+        return self.law(evaluate(self.parameter, at), *[at[name] for name in argument_names(self.law)[1:]])
 
 
 # Suffix of the name of a table without terms of the bank.

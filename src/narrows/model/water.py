@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.results import BaseResult
 from narrows.physics import squat_and_depth as formulas
-from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import choice, maximum, minimum
-from narrows.quantities.names import Number, argument_names
+from narrows.quantities.names import Number, evaluate
 from narrows.ship.checks import is_finite
 from narrows.ship.particulars import Configuration, Configured, Ship
 
@@ -106,8 +105,7 @@ def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
 
 def sinkage_by(formula: SquatFormula, configuration: Configuration, speed: float) -> float:
     """Evaluate a formula for a ship in a canal of known depth, at a speed through the water [m/s]: sinkage [m]."""
-    values = {**configuration.values(), "u": speed}
-    return float(formula.function(*[values[name] for name in argument_names(formula.function)]))
+    return float(evaluate(formula.function, {**configuration.values(), "u": speed}))
 
 
 def limits_left(formula: SquatFormula, configuration: Configuration, speed: float) -> tuple[str, ...]:
@@ -138,8 +136,7 @@ def choke_speed(ship: Configured | Configuration) -> float:
     """
     configuration = configuration_of(ship)
     ratios(configuration, 0.0)
-    hull, canal = configuration.ship, configuration.canal
-    return float(formulas.critical_speed(hull.beam, hull.draft, canal.width, canal.depth))
+    return float(evaluate(formulas.critical_speed, configuration.values()))
 
 
 def configuration_of(ship: Configured | Configuration) -> Configuration:
@@ -178,10 +175,9 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     >>> print(nw.squat(kcs, u=5.0).summary())
     The midship sinkage is 0.249 m by continuity; the canal chokes at 8.6 m/s.
     """
-    if gives not in GIVES:
-        raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")
-    if formula is not None and formula not in SQUAT:
-        raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
+    check_choice("gives", gives, GIVES)
+    if formula is not None:
+        check_choice("formula", formula, SQUAT)
     if formula is not None and SQUAT[formula].gives != gives:
         remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
         raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
@@ -231,31 +227,23 @@ def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWa
     """Return the water around ships by particulars and section, below the choking speed; NaN above it."""
     # One-dimensional continuity and energy; the slender-body formula without banks if that gives more, as in wide
     # water.
-    ship = {name: values[name] for name in ("length", "beam", "draft", "block_coefficient")}
-    section = {name: values[name] for name in ("beam", "draft", "width", "depth")}
-    fast, slow = np.abs(speed), np.abs(speed) < formulas.critical_speed(**section)
-    below = np.where(slow, fast, 0.0)
-    sinkage = np.maximum(
-        formulas.continuity(below, **section), formulas.tuck_midship(below, **ship, depth=values["depth"])
-    )
-    deeper = formulas.deeper_end(ship["block_coefficient"])  # The other end sinks by 2 less this
-    full, still = is_full(ship["block_coefficient"]), values["depth"] - values["draft"]
+    slow = np.abs(speed) < evaluate(formulas.critical_speed, values)
+    below = {**values, "u": np.where(slow, np.abs(speed), 0.0)}
+    sinkage = np.maximum(evaluate(formulas.continuity, below), evaluate(formulas.tuck_midship, below))
+    deeper = formulas.deeper_end(values["block_coefficient"])  # The other end sinks by 2 less this
+    full, still = is_full(values["block_coefficient"]), values["depth"] - values["draft"]
     found = (
-        formulas.return_flow(below, **section), sinkage,
+        evaluate(formulas.return_flow, below), sinkage,
         still - sinkage * np.where(full, deeper, 2 - deeper), still - sinkage * np.where(full, 2 - deeper, deeper),
     )  # fmt: skip
     return WaterUnderWay(*(np.where(slow, one, np.nan) for one in found))
 
 
 def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
-    length, beam, draft, block = (values[name] for name in ("length", "beam", "draft", "block_coefficient"))
-    width, depth = values["width"], values["depth"]
-    mean = maximum(depth - draft, 0.0) / formulas.deeper_end(block)
-    touching = minimum(
-        formulas.speed_that_sinks(mean, beam, draft, width, depth),
-        formulas.speed_that_sinks_midship(mean, length, beam, draft, block, depth),
-    )
-    choking = formulas.critical_speed(beam, draft, width, depth)
+    mean = maximum(values["depth"] - values["draft"], 0.0) / formulas.deeper_end(values["block_coefficient"])
+    at = {**values, "sinkage": mean}
+    touching = minimum(evaluate(formulas.speed_that_sinks, at), evaluate(formulas.speed_that_sinks_midship, at))
+    choking = evaluate(formulas.critical_speed, values)
     return SpeedsAfloat(minimum(choice(choking - touching, touching, BOUNDLESS), BOUNDLESS), choking)
 
 
@@ -282,15 +270,3 @@ def ship_inertia(configuration: Configuration) -> float:
     """Return the yaw inertia of a ship, with the least radius of gyration, 0.2 L, if not given [kg m2]."""
     ship = configuration.ship
     return ship.inertia or ship_mass(configuration) * (0.2 * ship.length) ** 2
-
-
-def added_sway(configuration: Configuration) -> float:
-    """Return the added mass in sway in deep water by Clarke's formula [kg]."""
-    ship = configuration.ship
-    return clarke_sway(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)
-
-
-def added_yaw(configuration: Configuration) -> float:
-    """Return the added inertia in yaw in deep water by Clarke's formula [kg m2]."""
-    ship = configuration.ship
-    return clarke_yaw(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)

@@ -3,7 +3,7 @@
 import inspect
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from types import FunctionType
 from typing import Any, NamedTuple
@@ -67,6 +67,11 @@ def argument_names(function: Callable[..., Number]) -> tuple[str, ...]:
 @lru_cache(maxsize=1024)
 def _parameters(function: Callable[..., Number]) -> tuple[str, ...]:
     return tuple(inspect.signature(function).parameters)
+
+
+def evaluate(function: Callable[..., Number], values: Mapping[str, Number]) -> Number:
+    """Call a function of quantities with their values by name; further ones are ignored."""
+    return function(*[values[name] for name in argument_names(function)])
 
 
 def name_of(function: Callable[..., Number]) -> str:

@@ -64,15 +64,9 @@ def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance:
 
 
 def accept_step(
-    control: StepState,
-    left: float,
-    clearance: float,
-    before: float,
-    sane: bool,
-    tolerance: float,
-    near: float,
+    control: StepState, left: float, clearance: float, before: float, sane: bool, tolerance: float, near: float,
     leaves: float,
-) -> int:
+) -> int:  # fmt: skip
     """Decide how a voyage continues after a try; ``left`` is the number of planned steps left."""
     tried, clear = control[NEXT], clearance_left(clearance, before, leaves)
     if control[TRIES] == 0.0:

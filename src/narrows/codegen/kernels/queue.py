@@ -125,15 +125,9 @@ def handle_event(program: LaneProgram, block: Array, lane: int, control: Array, 
 
 
 def load_lane(
-    program: LaneProgram,
-    block: Array,
-    lane: int,
-    control: Array,
-    water: SharedInputs,
-    start: Array,
-    times: Array,
+    program: LaneProgram, block: Array, lane: int, control: Array, water: SharedInputs, start: Array, times: Array,
     inputs: Array,
-) -> int:
+) -> int:  # fmt: skip
     """Put a vessel into a lane; return its outcome if the voyage ends where it begins, else RUNNING."""
     for number in range(program.kept):
         block[STATE + number, lane] = start[number]

@@ -1,19 +1,16 @@
 """Lines as C99: structure members are unpacked before their first use, then one assignment a line."""
 
 import ast
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from math import factorial
-from textwrap import wrap
 from typing import ClassVar
 
 import sympy
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
-from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS
+from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS, horner
 from narrows.codegen.printers.translation import Language, Translation
-
-WIDTH, TIED = 108, "\0=\0"
 
 # Functions of <math.h> by their names in lines and plain functions.
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
@@ -33,11 +30,6 @@ class C(Language):
 
     def called(self, name: str, *arguments: str) -> str:
         return super().called(LIBRARY.get(name, f"{self.prefix}_{name}"), *arguments)
-
-    def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
-        values = ", ".join(f"{self.named(name)} = {places[name]}" for name in names if name != places[name])
-        whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration
-        return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []
 
 
 # Plain functions as C99: one static function each.
@@ -151,26 +143,11 @@ class BlockC(C):
         return super().called(f"lane_{name}" if name in ("sine", "cosine", "exp") else name, *arguments)
 
 
-def lane_functions() -> dict[str, tuple[str, str]]:
-    """Return the powers of the argument and the polynomial of each function of ``BlockC``."""
-    signs = [(-1) ** k for k in range(SINE_TERMS)]
-    return {
-        "sine": _estrin("q", [sign / factorial(2 * k + 1) for k, sign in enumerate(signs)]),
-        "cosine": _estrin("q", [sign / factorial(2 * k) for k, sign in enumerate(signs)]),
-        "exp": _estrin("r", [1 / factorial(k) for k in range(EXPONENTIAL_DEGREE + 1)]),
-    }
-
-
-def _estrin(x: str, coefficients: Sequence[float]) -> tuple[str, str]:
-    """Write a polynomial by Estrin's scheme, a shorter chain of operations than Horner's."""
-    terms, power, powers = [repr(one) for one in coefficients], x, list[str]()
-    while len(terms) > 1:
-        pairs = zip(terms[::2], [*terms[1::2], ""], strict=False)
-        terms = [f"({low} + {power}*{high})" if high else low for low, high in pairs]
-        if len(terms) > 1:
-            powers.append(f"{x}{2 ** (len(powers) + 1)} = {power}*{power}")
-            power = f"{x}{2 ** len(powers)}"
-    return ", ".join(powers), terms[0]
+def lane_functions() -> dict[str, str]:
+    """Return the polynomial of each function of ``BlockC``, in q, or r for the exponential."""
+    sine, cosine = ([(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)] for first in (1, 0))
+    exponential = [1 / factorial(k) for k in range(EXPONENTIAL_DEGREE + 1)]
+    return {"sine": horner("q", sine), "cosine": horner("q", cosine), "exp": horner("r", exponential)}
 
 
 def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: C, lanes: str) -> list[str]:
