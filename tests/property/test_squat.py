@@ -102,7 +102,7 @@ def test_outside_its_limits_is_said() -> None:
     [
         (lambda: nw.squat(DTC, 9.0), "critical speed of this canal, 8.371 m/s"),
         (lambda: nw.squat(DTC, -1.0), "between 0"),
-        (lambda: nw.squat(DTC, 4.0, "stern"), "midship, bow, largest"),
+        (lambda: nw.squat(DTC, 4.0, "stern"), "midship or bow or largest"),
         (lambda: nw.squat(DTC, 4.0, formula="huska"), "did you mean 'huuska'"),
         (lambda: nw.squat(nw.Configuration(DTC.ship, nw.Canal(205.0)), 4.0), "depth is not given"),
     ],

@@ -183,46 +183,22 @@ def rounds(lines: Lines, apart: Callable[[Expr], bool] = lambda value: False) ->
     return [scheduled[index] for index in sorted(scheduled)]
 
 
-# Places of numbers that one loop over lanes computes and a later one reads.
 @dataclass(frozen=True)
-class LaneFields:
-    """Fields of a lane; a field is reused once its number is no longer needed."""
+class LaneLoops:
+    """A program as loops over lanes: each stores what a later one reads in a field of the lane."""
 
-    parts: Sequence[Sequence[Assignment]]  # The rounds, one loop over lanes each
-    results: tuple[Expr, ...]  # Results of the last round
-    first: tuple[str, ...] = ()  # Numbers with the first fields, never reused
-
-    @cached_property
-    def _last_use(self) -> dict[str, int]:
-        last = {name: number for number, part in enumerate(self.parts) for _, value in part for name in names_in(value)}
-        return last | {name: len(self.parts) - 1 for value in self.results for name in names_in(value)}
+    parts: Sequence[Sequence[Assignment]]  # The rounds, one loop each
+    results: tuple[Expr, ...]  # Results of the last
 
     @cached_property
-    def fields(self) -> dict[str, int]:
-        """The field of each number that lives from round to round."""
-        index = {name: number for number, name in enumerate(self.first)}
-        total, free, busy = len(index), list[int](), list[str]()
-        for number, part in enumerate(self.parts):
-            for name in [name for name in busy if self._last_use[name] < number]:
-                busy.remove(name)
-                free.append(index[name])
-            for name in (str(target) for target, _ in part):
-                if self._last_use.get(name, -1) > number:
-                    index[name] = free.pop() if free else total
-                    total += index[name] == total
-                    busy.append(name)
-        return index
+    def read(self) -> list[set[str]]:
+        results = [()] * (len(self.parts) - 1) + [self.results]
+        return [set(asked_by(part, own)) for part, own in zip(self.parts, results, strict=True)]
 
-    @property
-    def size(self) -> int:
-        return max(self.fields.values(), default=-1) + 1
-
-    def read(self, number: int) -> set[str]:
-        return set(asked_by(self.parts[number], self.results if number == len(self.parts) - 1 else ()))
-
-    def stored(self, number: int) -> list[str]:
-        made = {str(target) for target, _ in self.parts[number]}
-        return sorted(name for name in made if self._last_use.get(name, -1) > number)
+    @cached_property
+    def stored(self) -> list[list[str]]:
+        read = set().union(*self.read)
+        return [sorted(str(name) for name, _ in part if str(name) in read) for part in self.parts]
 
 
 # Two operations of SymPy on real expressions, without the searches that took half the time of writing a kernel.

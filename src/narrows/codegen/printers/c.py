@@ -2,13 +2,14 @@
 
 import ast
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from math import factorial
 from typing import ClassVar
 
 import sympy
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
+from narrows.codegen.lines import LaneLoops, Lines, asked_by, rounds
 from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS, horner
 from narrows.codegen.printers.translation import Language, Translation
 
@@ -158,26 +159,13 @@ def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str]
     parts = rounds(
         needed, lambda value: str(value.func) == "entry" or any(name in printer.doprint(value) for name in CALLED)
     )
-    layout = LaneFields(parts, values)
-    shared = [name for name in asked_by(needed.assignments, values) if "[lane]" not in places[name]]
-    scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []
-    body = [*printer.unpacked(shared, places), *scratch]
+    loops = LaneLoops(parts, values)
+    rows = {name: f"rows[{field}][lane]" for field, name in enumerate(chain.from_iterable(loops.stored))}
+    shared = [name for name in asked_by(needed.assignments, values) if "lane]" not in places[name]]
+    body = [*printer.unpacked(shared, places), *[f"double rows[{len(rows)}][{lanes}];"] * bool(rows)]
     for number in range(len(parts)):
-        last = tuple(results) if number == len(parts) - 1 else ()
-        body += [f"for (int lane = 0; lane < {lanes}; ++lane) {{"]
-        body += [f"    {line}" for line in _round(layout, number, last, places, printer)]
-        body += ["}"]
+        inside = printer.loop_body(loops, number, {**places, **rows})
+        if number == len(parts) - 1:
+            inside += [f"{target} = {printer.doprint(value)};" for target, value in zip(results, values, strict=True)]
+        body += [f"for (int lane = 0; lane < {lanes}; ++lane) {{", *(f"    {line}" for line in inside), "}"]
     return body
-
-
-def _round(
-    layout: LaneFields, number: int, targets: Sequence[str], places: Mapping[str, str], printer: C
-) -> Iterator[str]:
-    kept = {name: f"rows[{field}][lane]" for name, field in layout.fields.items()}
-    read = {name: kept.get(name, places.get(name, name)) for name in layout.read(number)}
-    yield from printer.unpacked(sorted(name for name, where in read.items() if "[lane]" in where), read)
-    for target, value in layout.parts[number]:
-        yield f"const double {printer.named(str(target))} = {printer.doprint(value)};"
-    for name in layout.stored(number):
-        yield f"{kept[name]} = {printer.named(name)};"
-    yield from (f"{target} = {printer.doprint(value)};" for target, value in zip(targets, layout.results, strict=False))

@@ -11,7 +11,7 @@ from keyword import kwlist
 from typing import ClassVar
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Program
+from narrows.codegen.lines import LaneLoops, Program
 from narrows.codegen.printers.python import Arithmetic, PlainSource
 
 
@@ -54,6 +54,13 @@ class Language(Arithmetic):
         results = zip(targets, program.results, strict=True)
         assigned = [self.ASSIGNED.format(target, self.doprint(value)) for target, value in results]
         return [*self.unpacked(program.asked, places), *lines, *assigned]
+
+    def loop_body(self, loops: LaneLoops, number: int, places: Mapping[str, str]) -> list[str]:
+        """Write a loop over lanes, from the numbers that it reads to those that a later one reads."""
+        read = [name for name in sorted(loops.read[number]) if "lane]" in places[name]]
+        lines = [self.DECLARED.format(*map(self.doprint, line)) for line in loops.parts[number]]
+        stored = [self.ASSIGNED.format(places[name], self.named(name)) for name in loops.stored[number]]
+        return [*self.unpacked(read, places), *lines, *stored]
 
 
 class PythonFile(Language):
