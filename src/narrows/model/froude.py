@@ -203,12 +203,10 @@ def _scale_notes(model: Model, by_line: bool) -> tuple[str, ...]:
 def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     """Notes on the new canal outside the tested range, in ratios that do not depend on the scale."""
     old, ship, canal = model.configuration, configuration.ship, configuration.canal
-    was, deep = old.canal.width / old.ship.beam, old.canal.depth and (old.canal.depth / old.ship.draft,) * 2
-    depths = model.data_range.depth_to_draft or deep
-    known, asked = (
-        DataRange(width_to_beam=(was, was), depth_to_draft=depths),
-        {"width_to_beam": canal.width / ship.beam},
-    )
+    wide, deep = old.canal.width / old.ship.beam, (old.canal.depth or 0.0) / old.ship.draft
+    depths = model.data_range.depth_to_draft or ((deep, deep) if deep else None)
+    known = DataRange(width_to_beam=(wide, wide), depth_to_draft=depths)
+    asked = {"width_to_beam": canal.width / ship.beam}
     if canal.depth is None:
         unknown = "The depth of the water is not given, so h/T and the depth Froude number are not known."
         return (*extrapolation(known, asked), unknown)
