@@ -113,7 +113,7 @@ class AddedMass:
     """
 
     factors: str  # Velocities and accelerations
-    power: int = 1  # Of the length in the scale 1/2 rho L d L^power
+    power: int = 1  # Power of the length in the scale 1/2 rho L d L^power
     is_ahead: bool = False  # True for v r, which pushes ahead
 
     @property
