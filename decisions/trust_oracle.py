@@ -7,8 +7,6 @@ from typing import Any
 import numpy as np
 from trust_tank import BANK, DOZEN, FULL, RATE, SIZE, Tank, delta, forces
 
-from narrows.captive.synthetic import motion_of
-
 HULL_OF_Y = ("b_vdot", "b_rdot", "b_v", "b_r", "b_vv", "b_rr", "b_bank")
 HULL_OF_N = ("c_rdot", "c_v", "c_r", "c_vv", "c_rr", "c_bank")  # c_vdot is b_rdot
 NAMES = (*HULL_OF_Y, *HULL_OF_N)
@@ -30,7 +28,7 @@ def oracle(kind: str, strength: float) -> dict[str, float]:
     information = np.zeros((len(NAMES), len(NAMES)))
     for run in runs:
         columns = run.columns(RATE)
-        motion = {**columns, **motion_of(columns).values()}
+        motion = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
         clean = forces(motion, bank)
         for force in "YN":
             x, covariance = _design(motion, force), _covariance(clean[force], SIZE[force], tank)

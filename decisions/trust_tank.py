@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import narrows as nw
-from narrows.captive.synthetic import Run, motion_of
+from narrows.captive.synthetic import Run
 
 CONFIGURATION = nw.Configuration(nw.Ship(5.0, 0.75, 0.25, 0.7), nw.Canal(9.0, 0.5))
 RATE, SIZE = 8.0, {"X": 0.4, "Y": 0.8, "N": 1.2}
@@ -114,7 +114,7 @@ def measured(
     parts, names = [], []
     for i, run in enumerate(runs):
         columns = run.columns(RATE)
-        motion = {**columns, **motion_of(columns).values()}
+        motion = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
         rows = len(columns["t"])
         motion["depth"] = np.full(rows, run.depth or depth)
         clean = law(motion)

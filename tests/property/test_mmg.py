@@ -11,7 +11,6 @@ import narrows as nw
 from narrows.physics import hull, propeller, rudder
 from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.names import name_of
-from narrows.ship.ship_file import configuration_from
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 VALUES = {**KVLCC2.configuration.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_rudder": 1.0, "sin_rudder": 0.0}
@@ -76,19 +75,6 @@ def test_more_revolutions_never_slow_the_slipstream(slow: float, more: float) ->
     idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
     n = value(propeller.inflow) / (idle * screw.diameter)
     assert value(rudder.axial_velocity, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
-
-
-def test_what_files_called_a_race_is_read_as_the_slipstream() -> None:
-    area = {"area": 1.0, "lift": 2.0, "wake_ratio": 1.0, "position": -0.7}
-    sides = {"straightening_starboard": 0.6, "straightening_port": 0.4}
-    hull = {"ship": {"length": 7.0, "beam": 1.0, "draft": 0.4, "block_coefficient": 0.8}, "canal": {"width": 30.0}}
-    old, new = (
-        configuration_from({**hull, "rudder": {**area, **sides, **flow}}, "a file")
-        for flow in ({"race": 0.5, "in_race": 0.6}, {"slipstream": 0.5, "in_slipstream": 0.6})
-    )
-    assert old == new
-    with pytest.raises(nw.InputError, match="gives slipstream twice"):
-        configuration_from({**hull, "rudder": {**area, **sides, "race": 0.5, "slipstream": 0.5}}, "a file")
 
 
 def test_every_term_has_a_name_in_print() -> None:

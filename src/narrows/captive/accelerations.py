@@ -4,8 +4,10 @@ Noise in a regressor does not average out: it biases its coefficient towards zer
 a periodic run, projected on few harmonics and differentiated, have almost none.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -24,19 +26,17 @@ FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
 
 class HarmonicMotion(NamedTuple):
-    frequency: float  # Angular frequency of the first harmonic; 0 without oscillation [rad/s]
-    harmonics: Mapping[str, np.ndarray]  # (2 x HARMONICS,) Cosines, then sines, of each velocity that they explain
-    missing: Mapping[str, float]  # Approximate size of the acceleration of higher harmonics, in the unit of each
+    frequency: float = 0.0  # Angular frequency of the first harmonic; 0 without oscillation [rad/s]
+    # Cosines, then sines, (2 x HARMONICS,), of each velocity that they explain, and the approximate size of the
+    # acceleration of higher harmonics, in its unit
+    harmonics: Mapping[str, tuple[np.ndarray, float]] = MappingProxyType({})
 
     def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
         # t (rows,) [s]
-        cosine, sine = np.split(self.harmonics[velocity], 2)
+        cosine, sine = np.split(self.harmonics[velocity][0], 2)
         rates = self.frequency * np.arange(1, len(sine) + 1)
         angles = np.outer(t, rates)
         return np.asarray(np.cos(angles) @ (rates * sine) - np.sin(angles) @ (rates * cosine))
-
-
-UNKNOWN = HarmonicMotion(0.0, {}, {})
 
 
 def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveTests:
@@ -48,27 +48,28 @@ def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveT
         return tests
     runs = [tests.rows_of(i) for i in range(len(tests.names))]
     length = tests.configuration.ship.length
-    small = {rate: _small(columns, velocity, length) for velocity, rate in pairs.items()}
-    motions = [UNKNOWN if choice != "motion" and _agree(run, pairs, small) else motion_of(run, length) for run in runs]
-    new = {rate: columns[rate] for rate in pairs.values()}
-    notes = []
+    small = {velocity: _small(columns, velocity, length) for velocity in pairs}
+    motions = [
+        HarmonicMotion() if choice != "motion" and _agree(run, small) else motion_of(run, length) for run in runs
+    ]
+    new, notes = dict(columns), []
     for velocity, rate in pairs.items():
-        stray = _strays(runs, motions, velocity, small[rate])
-        chosen = np.isfinite(stray) if choice == "motion" else stray > settings.ACCELERATION_TOLERANCE
-        if (stray > settings.ACCELERATION_TOLERANCE).any():
-            notes.append(_sentence(rate, tests.names, stray, choice))
+        stray = np.array([_stray(*pair, velocity) for pair in zip(runs, motions, strict=True)]) / small[velocity]
+        far = stray > 1
+        if far.any():
+            notes.append(_sentence(rate, tests.names, settings.ACCELERATION_TOLERANCE * stray, far, choice))
+        chosen = np.isfinite(stray) if choice == "motion" else far
         if choice != "measured" and chosen.any():
             new[rate] = new[rate].copy()
             for i in np.flatnonzero(chosen):
                 t = runs[i]["t"]
                 new[rate][tests.starts[i] : tests.starts[i + 1]] = motions[i].acceleration(velocity, t - t[0])
-    return replace(tests, columns={**columns, **new}, notes=(*tests.notes, *notes))
+    return replace(tests, columns=new, notes=(*tests.notes, *notes))
 
 
 def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
-    few = _sampled(run)
-    if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
-        return UNKNOWN
+    if not (few := _sampled(run)):
+        return HarmonicMotion()
     t, speed = few["t"] - few["t"][0], max(float(np.abs(few["u"]).mean()), 1e-9)
     size = {"v": speed, "psi": 1.0, "y": length}
     moving = {name: float(np.std(few[name])) / size[name] / part for name, part in LEAST_MOTION.items() if name in few}
@@ -77,17 +78,14 @@ def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
         frequency = _frequency(t, few[max(("y", "psi"), key=lambda name: moving[name])])
     usual = {"u": 0.01 * speed, "v": 0.01 * speed, "r": 0.01 * speed / length}
     fitted = {name: _harmonics(t, few[name], frequency, usual[name]) for name in RATES if name in few}
-    known = {name: harmonics for name, harmonics in fitted.items() if harmonics is not None}
-    return HarmonicMotion(
-        frequency,
-        {n: harmonics[0] for n, harmonics in known.items()},
-        {n: harmonics[1] for n, harmonics in known.items()},
-    )
+    return HarmonicMotion(frequency, {name: harmonics for name, harmonics in fitted.items() if harmonics is not None})
 
 
 def _sampled(run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return some rows of a run; none of a run too short for harmonics, or whose time runs back."""
     step = max(1, len(run["t"]) // settings.SAMPLED)
-    return {name: column[::step] for name, column in run.items()}
+    few = {name: column[::step] for name, column in run.items()}
+    return few if len(few["t"]) >= FEWEST and (np.diff(few["t"]) > 0).all() else {}
 
 
 def _frequency(t: np.ndarray, column: np.ndarray) -> float:
@@ -142,36 +140,28 @@ def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> f
     return settings.ACCELERATION_TOLERANCE * max(float(np.sqrt(np.mean(columns[RATES[velocity]] ** 2))), least)
 
 
-def _agree(run: Mapping[str, np.ndarray], pairs: Mapping[str, str], small: Mapping[str, float]) -> bool:
+def _agree(run: Mapping[str, np.ndarray], small: Mapping[str, float]) -> bool:
     """Return whether differences of the velocities already give the measured accelerations, as without noise."""
     few = _sampled(run)
-    if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
-        return True
-    slopes = ((np.gradient(few[velocity], few["t"]) - few[rate], small[rate]) for velocity, rate in pairs.items())
-    return all(np.mean(away**2) <= most**2 for away, most in slopes)
+    return not few or all(
+        np.mean((np.gradient(few[velocity], few["t"]) - few[RATES[velocity]]) ** 2) <= most**2
+        for velocity, most in small.items()
+    )
 
 
-def _strays(
-    runs: list[dict[str, np.ndarray]], motions: list[HarmonicMotion], velocity: str, small: float
-) -> np.ndarray:
-    """Difference of measured accelerations from those of the motion, over their size in the table; NaN if unknown."""
-    rate = RATES[velocity]
-    apart = np.full(len(runs), np.nan)
-    for i, (run, motion) in enumerate(zip(runs, motions, strict=True)):
-        if velocity in motion.harmonics:
-            few = _sampled(run)
-            expected = motion.acceleration(velocity, few["t"] - few["t"][0])
-            away = np.sqrt(np.mean((few[rate] - expected) ** 2))
-            apart[i] = away if away > 2 * motion.missing[velocity] else 0.0
-    return settings.ACCELERATION_TOLERANCE * apart / small
+def _stray(run: Mapping[str, np.ndarray], motion: HarmonicMotion, velocity: str) -> float:
+    """Difference of a measured acceleration from that of the motion; NaN if unknown."""
+    if velocity not in motion.harmonics:
+        return math.nan
+    few = _sampled(run)
+    away = few[RATES[velocity]] - motion.acceleration(velocity, few["t"] - few["t"][0])
+    size = float(np.sqrt(np.mean(away**2)))
+    return size if size > 2 * motion.harmonics[velocity][1] else 0.0
 
 
-def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, choice: str) -> str:
-    far = np.flatnonzero(stray > settings.ACCELERATION_TOLERANCE)
-    others = f" and {len(far) - 1} more" if len(far) > 1 else ""
+def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, far: np.ndarray, choice: str) -> str:
+    others = f" and {far.sum() - 1} more" if far.sum() > 1 else ""
     biased = "used as measured, which biases their coefficients towards 0"
     done = biased if choice == "measured" else "taken from the motion"
-    return (
-        f"Measured {rate} differs from the motion by {np.nanmax(stray):.0%} of its size in test "
-        f"{names[int(np.nanargmax(stray))]}{others}: it is {done}."
-    )
+    where = f"in test {names[int(np.nanargmax(stray))]}{others}"
+    return f"Measured {rate} differs from the motion by {np.nanmax(stray):.0%} of its size {where}: it is {done}."

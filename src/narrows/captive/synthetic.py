@@ -178,17 +178,12 @@ def twin(
     )
 
 
-def motion_of(columns: Mapping[str, np.ndarray]) -> Motion:
-    known = {name: column for name, column in columns.items() if name not in ("t", "psi")}
-    return Motion(**known, cos_psi=np.cos(columns["psi"]), sin_psi=np.sin(columns["psi"]))
-
-
 def _measured(
     truth: Model, run: Run, noise: Mapping[str, float], correlation_time: float, rate: float,
     draw: np.random.Generator,
 ) -> dict[str, np.ndarray]:  # fmt: skip
     columns = run.columns(rate)
-    motion, rows = motion_of(columns), len(columns["t"])
+    motion, rows = Motion.at(**{name: column for name, column in columns.items() if name != "t"}), len(columns["t"])
     keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
     at_depth = truth if run.depth is None else truth.with_canal(depth=run.depth)
     forces = {

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.results import BaseSummary
 from narrows.logbook.filtering.likelihood import bounded_step
@@ -138,6 +139,7 @@ def steady_push(conditions: BeamWind, model: Model) -> np.ndarray:  # (2,) [N], 
     return np.array([force, force * (WIND_LEVER * length if lever is None else lever)])
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class SteadyConditions(BeamWind):
     """Standard deviations of the common errors of all legs, and of those that change from leg to leg.

@@ -210,11 +210,8 @@ class Actuator:
         """Quantities of the terms for its position, with unit and meaning."""
         if not self.angle:
             return {self.name: Quantity(self.unit, self.meaning)}
-        first, _, rest = self.meaning.partition(",")
-        return {
-            f"cos_{self.name}": Quantity("1", f"cosine of the {first}"),
-            f"sin_{self.name}": Quantity("1", f"sine of the {self.meaning}" if rest else f"sine of the {first}"),
-        }
+        names = {f"cos_{self.name}": "cosine", f"sin_{self.name}": "sine"}
+        return {name: Quantity("1", f"{word} of the {self.meaning}") for name, word in names.items()}
 
     @property
     def particulars(self) -> dict[str, Quantity]:
@@ -255,10 +252,6 @@ def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
     return PARTICULARS | {n: it for actuator in (*STANDARD, *actuators) for n, it in actuator.particulars.items()}
 
 
-# Ends of the names of an actuator's largest size and of its fastest change.
-ENDS = ("limit", "rate")
-
-
 def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
     """Return the section and key of each number of actuators in a file."""
     return {
@@ -267,8 +260,3 @@ def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
         for part in actuator.parts
         for number in part.numbers()
     }
-
-
-def free(names: Iterable[str]) -> dict[str, float]:
-    """Return infinite limits and rates for actuators without any."""
-    return {f"{name}_{end}": math.inf for name in names for end in ENDS}

@@ -154,20 +154,15 @@ def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping
     if hasattr(right, "dims"):  # Place of the first hit, by dimension
         first = np.unravel_index(int(np.argmin(right.to_numpy())), right.shape)
         at = {str(name): int(index) for name, index in zip(right.dims, first, strict=True)}
-    words = {name: f"{places[name]} = {shown(_rounded(_picked(value, at)))}" for name, value in values.items()}
-    labels = (f"{name} = {right[name].to_numpy()[index]}" for name, index in at.items() if name not in values)
-    where = ", ".join(labels)
+    words = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
+    where = ", ".join(f"{name} = {right[name].to_numpy()[index]}" for name, index in at.items() if name not in values)
     raise InputError(sentence.format(*words.values(), **words) + (f" (the first is at {where})" if where else ""))
 
 
-def _rounded(value: Any) -> Any:
-    return float(f"{value:.8g}") if isinstance(value, float) else value
-
-
 def _picked(value: Any, at: Mapping[str, int]) -> Any:
-    if not hasattr(value, "dims"):
-        return value
-    return float(value.isel({name: index for name, index in at.items() if name in value.dims}))
+    if hasattr(value, "dims"):
+        value = float(value.isel({name: index for name, index in at.items() if name in value.dims}))
+    return float(f"{value:.8g}") if isinstance(value, float) else value
 
 
 def check_fields(part: object, names: Mapping[str, str], section: str) -> None:

@@ -1,5 +1,6 @@
 """The ship, the canal with its section, and the water: frozen, in SI, checked at creation."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import pairwise
@@ -10,7 +11,7 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.results import Aliased, BaseSummary
-from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
+from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_fields, check_particulars
 
 
@@ -140,9 +141,9 @@ class Configuration(BaseSummary):
     notes: tuple[str, ...] = field(default=(), compare=False)  #: Values that a file did not give, and what is assumed
 
     def __post_init__(self) -> None:
-        sections = [part.SECTION for part in self._given]
+        sections = [part.SECTION for part in self.others]
         for name in sections:
-            if sections.count(name) > 1:
+            if sections.count(name) > 1 or getattr(self, name, None):
                 raise InputError(f"[{name}] is given twice; keep one")
         draft, beam = self.ship.draft, self.ship.beam
         check_particulars({"beam": beam, "draft": draft, "width": self.canal.width, "depth": self.canal.depth})
@@ -167,12 +168,8 @@ class Configuration(BaseSummary):
     @property
     def parts(self) -> dict[str, Part]:
         """Sections of the actuators."""
-        return {part.SECTION: part for part in self._given}
-
-    @property
-    def _given(self) -> tuple[Part, ...]:
-        parts = (self.steering, self.propeller, self.rudder, *self.others)
-        return tuple(part for part in parts if part is not None)
+        given = (self.steering, self.propeller, self.rudder, *self.others)
+        return {part.SECTION: part for part in given if part is not None}
 
     def with_parts(self, parts: Iterable[Part]) -> "Configuration":
         """Return the configuration with other sections of actuators, ``parts``; those of other names stay."""
@@ -188,10 +185,10 @@ class Configuration(BaseSummary):
         For every actuator this includes ``<name>_limit`` and ``<name>_rate``, infinite if unknown, and the position
         from its section.
         """
-        plain = (self.ship, self.canal, self.water)
-        named = {name: value for part in plain for name, value in asdict(part).items()}
-        actuated = (self.gear, *self._given)
-        named |= free(actuator.name for actuator in STANDARD) | free(part.POSITION for part in actuated)
+        named = asdict(self.ship) | asdict(self.canal) | asdict(self.water)
+        actuated = (self.gear, *self.parts.values())
+        for name in (*(actuator.name for actuator in STANDARD), *(part.POSITION for part in actuated)):
+            named |= {f"{name}_limit": math.inf, f"{name}_rate": math.inf}
         for part in actuated:
             named |= part.values()
         return {name: value for name, value in named.items() if value is not None}

@@ -14,8 +14,6 @@ from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Wat
 
 # Sections of every configuration; defaults are used if they are absent.
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
-# Spellings of keys in earlier files.
-RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
 # Least ship file, for messages.
 LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], each on its own line"
 # A ship file or model file, its sections as mappings, its configuration, or a model or tests with one.
@@ -49,11 +47,6 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
         The file.
     actuators : iterable of Actuator
         The user's own actuators, whose sections the file may have.
-
-    Returns
-    -------
-    Configuration
-        Ship, canal and water.
     """
     if not Path(path).exists():
         raise InputError(
@@ -109,10 +102,6 @@ def check_table(name: str, table: object, file: str) -> None:
 
 def section_of(cls: type, name: str, values: Mapping[str, Any]) -> Any:
     known = {f.name: f for f in fields(cls)}
-    for old, new in RENAMED.get(name, {}).items():
-        if old in values and new in values:
-            raise InputError(f"[{name}] gives {new} twice, as {old} too; leave {old} out")
-        values = {new if key == old else key: value for key, value in values.items()}
     for key in values:
         if key not in known:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")

@@ -138,26 +138,19 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
     progress("synthetic tests and their identification")
     fit = identify(twin(truth), balance="rows")
     progress("voyages and grounding distances")
-    return Reproduction(truth, fit, {y: sailed(truth, y) for y in SHOWN_STARTS}, grounding_readings(truth))
-
-
-def sailed(model: Model, y: float) -> Voyage:
-    """Simulate as the paper: 1 m/s, a constant surge force, free speed (with an assumed mass in surge)."""
-    return simulate(model, y, 1.0, DURATION, surge="free", surge_inertia=SURGE_MASS, X=SURGE_FORCE)
-
-
-def grounding_readings(model: Model) -> dict[str, Any]:
-    """Simulate from every start under each reading of contact, with Coriolis and without."""
-    ship = replace(model.configuration.ship, mass=MASS)
-    heavy = replace(model, configuration=replace(model.configuration, ship=ship))
-    common: dict[str, Any] = {"y": STARTS, "duration": DURATION, "surge": "free", "X": SURGE_FORCE}
-    common["surge_inertia"] = SURGE_MASS
-    return {
-        "hull corners": ensemble(model, **common),
-        "midship clearance": ensemble(model, contact="midship", **common),
+    # As the paper: 1 m/s, a constant surge force, free speed (with an assumed mass in surge)
+    common: dict[str, Any] = {"duration": DURATION, "surge": "free", "surge_inertia": SURGE_MASS, "X": SURGE_FORCE}
+    voyages = {y: simulate(truth, y, 1.0, **common) for y in SHOWN_STARTS}
+    ship = replace(truth.configuration.ship, mass=MASS)
+    heavy = replace(truth, configuration=replace(truth.configuration, ship=ship))
+    common["y"] = STARTS
+    readings = {
+        "hull corners": ensemble(truth, **common),
+        "midship clearance": ensemble(truth, contact="midship", **common),
         "hull corners, with Coriolis": ensemble(heavy, coriolis=True, **common),
         "midship clearance, with Coriolis": ensemble(heavy, coriolis=True, contact="midship", **common),
     }
+    return Reproduction(truth, fit, voyages, readings)
 
 
 def switch_of(voyages: Any) -> float | None:
