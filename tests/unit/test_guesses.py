@@ -181,6 +181,10 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         "too many positional arguments; its arguments: path",
     ),  # type: ignore[call-arg]
     "nw.Tests(path)": (lambda: nw.Tests("tests.csv"), r"nw.read_captive\(path, ship\) makes one"),  # type: ignore[attr-defined]
+    "nw.compare(tests, models=)": (
+        lambda: nw.compare(TESTS(), models=["estimated_kcs"]),  # type: ignore[call-arg]
+        r"nw.explain\(model, tests\) has the errors",
+    ),
     "tests.select(kind=)": (lambda: TESTS().select(kind="yaw"), "write where=..., as in"),
     "nw.identify(form=)": (lambda: nw.identify(short_twin(), form="distance"), r"'paper\+distance' for another bank"),  # type: ignore[call-arg]
     "model.plot_forces(u=1.0)": (lambda: DTC.plot(u=1.0), "has the numbers at a speed"),  # type: ignore[call-arg]
@@ -574,6 +578,7 @@ def test_numbers_of_the_command_line_have_units(cli: Callable[..., tuple[int, st
     assert plain[0] == 0
     for words, told in {
         "zigzag estimated_kcs --angle 10": "write --zigzags 10/10", "monitor full.toml --input a.nmea": "--replay FILE",
+        "monitor full.toml --udp 10110": "--listen udp://:10110",
         "identify a.csv --bank-form distance": r"--terms paper+distance",
     }.items():  # fmt: skip
         assert told in cli(*words.split())[2]
