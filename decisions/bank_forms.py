@@ -15,7 +15,8 @@ from pages import markdown, publish
 
 import narrows as nw
 from narrows.model.tables import without_bank
-from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
+from narrows.report.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE
+from narrows.report.style import panels
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
 NO_BANK = "no bank"

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import narrows as nw
-from narrows.report.style import BLUE, GREY, ORANGE
+from narrows.report.colours import BLUE, GREY, ORANGE
 from narrows.report.voyage_figures import paths_on
 
 WRITTEN = Path(__file__).parents[1] / "docs" / "_static" / "first.png"

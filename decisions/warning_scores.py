@@ -26,7 +26,7 @@ from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
 
-from narrows.warning.forecasting.forecast import level_time
+from narrows.warning.forecasting.forecaster import level_time
 from narrows.warning.forecasting.helmsman import escape_numbers
 from narrows.warning.monitoring.watched_transit import alert_spells
 from narrows.warning.settings import CLEAR_SHARE, LEVELS, NEAR_MISS

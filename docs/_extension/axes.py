@@ -7,7 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon, Rectangle
 
-from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, panels
+from narrows.report.colours import BLACK, BLUE, GREEN, GREY, ORANGE
+from narrows.report.style import panels
 
 LENGTH, BEAM, HEADING, RUDDER = 4.0, 0.62, math.radians(14.0), math.radians(25.0)
 MIDSHIP, WALL = (0.0, 0.55), 2.3

@@ -134,7 +134,7 @@ from .simulation.manoeuvring_trials import overshoots as overshoots
 from .simulation.manoeuvring_trials import sail_trials as sail_trials
 from .simulation.manoeuvring_trials import turning_circle as turning_circle
 from .simulation.manoeuvring_trials import zigzag as zigzag
-from .warning.monitoring.monitor import Monitor as Monitor
+from .warning.monitoring.bridge_monitor import Monitor as Monitor
 from .waterway import Waterway as Waterway
 from .waterway import read_waterway as read_waterway
 from .waterway import straight_waterway as straight_waterway

@@ -16,7 +16,6 @@ from narrows.report.fit_figures import (
     forces_figure,
     intervals_figure,
     motions_figure,
-    shapley_figure,
 )
 from narrows.report.fit_page import write_report
 from narrows.report.printed_tables import print_fit
@@ -34,7 +33,7 @@ def page(kcs_fits: dict[int, nw.Fit], tmp_path_factory: pytest.TempPathFactory) 
 def test_page_needs_nothing_else(page: str) -> None:
     assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
     assert "<script" not in page
-    assert page.count("<figure") == 12
+    assert page.count("<figure") == 10
     assert len(page) < 4_000_000
 
 
@@ -52,7 +51,7 @@ def figures(fit: nw.Fit) -> list[Figure]:
     tests, configuration = fit.tests, fit.tests.configuration
     return [
         motions_figure(tests), forces_figure(fit, tests), intervals_figure(fit),
-        shapley_figure(fit), correlation_figure(fit),
+        correlation_figure(fit),
         delta_figure(configuration, (0.0, 0.9)), delta_surface_figure(configuration),
     ]  # fmt: skip
 
@@ -81,4 +80,4 @@ def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_f
 
     fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
     write_report({"": fit}, tmp_path / "r.html")
-    assert (tmp_path / "r.html").read_text().count("<figure") == 3
+    assert (tmp_path / "r.html").read_text().count("<figure") == 2

@@ -9,7 +9,7 @@ import pytest
 from test_plan_steady import CALM, ship
 
 import narrows as nw
-from narrows.report.pilot_page import rudder_band, write_pilot_page, write_steady_report
+from narrows.report.learning_pages import rudder_band, write_pilot_page, write_steady_report
 from pictures import assert_readable
 
 LEGS = {"y": [0.4, -0.4], "u": [0.7, 0.7], "rudder [deg]": [4.0, -3.5], "drift [deg]": [0.4, -0.5]}

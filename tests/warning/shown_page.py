@@ -14,7 +14,7 @@ from transit import canal
 import narrows as nw
 from narrows.estimation.states import Estimate, Gaussian, StateNames
 from narrows.warning.alerts.alert import BANKS, AlertDesk, Condition, Priority, Situation
-from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
+from narrows.warning.forecasting.forecaster import BankForecast, Escape, LikelyRun, Tracks
 from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.warning.page.bridge_page import BridgePage
 

@@ -39,7 +39,7 @@ from narrows.warning.alerts.alert import (
     level_of,
     logged,
 )
-from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
+from narrows.warning.forecasting.forecaster import BankForecast, Escape, LikelyRun
 from narrows.warning.monitoring.alert_publisher import alc, alf, arc, hbt, notifications
 
 SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018

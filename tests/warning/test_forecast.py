@@ -12,8 +12,7 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 import narrows as nw
 from narrows.estimation import Estimate, Estimator
 from narrows.warning import settings
-from narrows.warning.forecasting.forecast import BankForecast, level_time
-from narrows.warning.forecasting.forecaster import Forecaster, crossing, rudder_needed
+from narrows.warning.forecasting.forecaster import BankForecast, Forecaster, crossing, level_time, rudder_needed
 from narrows.warning.forecasting.helmsman import Case, Helmsmen, LineOfSight, Ships, escape_numbers
 
 FAN_MEMBERS = 32  # ships of the fan

@@ -14,7 +14,7 @@ from watch import BEGAN, calm, forecaster, indicated, monitor, monitored, ticks
 import narrows as nw
 from narrows.readers.nmea import with_checksum
 from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertState, Priority, command_of, logged
-from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.forecasting.forecaster import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 from narrows.warning.monitoring.demonstration import bridge_sentences

@@ -8,7 +8,7 @@ import pytest
 from transit import canal, ship
 
 from narrows.warning.alerts.alert import BankLevel, Priority, level_of
-from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
+from narrows.warning.forecasting.forecaster import BankForecast, Escape, LikelyRun
 from narrows.warning.monitoring.watched_transit import WatchedTransit, alert_spells, clearances, score_transits
 
 HALF, SPEED = 150.0, 4.5

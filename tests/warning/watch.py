@@ -7,8 +7,7 @@ from functools import cache
 from transit import canal, ship
 
 from narrows.readers.nmea import Entry, NmeaDecoder, sentences
-from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.forecasting.forecaster import Forecaster
+from narrows.warning.forecasting.forecaster import BankForecast, Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor

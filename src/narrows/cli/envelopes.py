@@ -20,9 +20,7 @@ GUST_FACTOR = 1.24
 
 @dataclass(frozen=True)
 class GridOptions:
-    y: Annotated[
-        Numbers | None, "Offsets from the middle [m]: a number, a,b,c or from:to:count; default: bank to bank."
-    ] = None
+    y: Annotated[Numbers | None, "Offsets from the middle [m]: a,b,c or from:to:count; default: all."] = None
     speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None
 
 
@@ -32,9 +30,7 @@ class SectionOptions:
     depth: Annotated[float | None, "Depth of the canal [m], likewise."] = None
     waterway: Annotated[Path | None, "GeoJSON of a waterway, whose section replaces the model's canal."] = None
     at: Annotated[float, "Place along the waterway [m]."] = 0.0
-    along: Annotated[
-        str | None, "Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance."
-    ] = None
+    along: Annotated[str | None, "Places along the waterway instead [m]: all, or 0:5000:11."] = None
     current: CurrentText = None
     level: Annotated[float, "Water level above that of the depths [m]."] = 0.0
 
@@ -94,6 +90,7 @@ class CaseOptions:
     seed: Annotated[int, "Seed of the samples."] = 0
 
 
+OWN_SIZE = "Model file at the ship's own size (see scale), with a rudder, or a ship's name; none with --demo."
 # A ship with a rudder and banks, but untested, which the chart notes.
 DEMO_SHIP = "estimated_kcs"
 
@@ -113,15 +110,13 @@ def envelope(
     bank: Annotated[str, "Kind of bank for design rules: gentle, sloping or steep."] = "steep",
     rudder_of: Annotated[str | None, "Model whose rudder is used if this one has none."] = None,
     demo: Annotated[bool, "Use estimated_kcs, 230 m, in a canal of 300 x 16.2 m."] = False,
-    model: Annotated[str | None, Argument(help="Model file, or the name of a ship; none with --demo.")] = None,
+    model: Annotated[str | None, Argument(help=OWN_SIZE)] = None,
 ) -> None:
     """Find the safe speeds and offsets of a ship in a canal.
 
-    The answer is a table and a chart.
-
-    MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
+    The answer is a table and a chart; see docs/safe-envelope.md.
     """
-    from narrows.report.envelope_chart import envelope_chart, print_envelope
+    from narrows.report.envelope_chart import print_envelope, print_envelope_along
     from narrows.safety.result import noting
 
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
@@ -133,13 +128,9 @@ def envelope(
     if section.along is not None:
         waterway = section.read()
         along = nw.envelope_along(ship, waterway, section.places(waterway), **asked)
-        from narrows.report.envelope_chart import envelope_along_chart, print_envelope_along
-
-        delivery.write(along.save, lambda: envelope_along_chart(along))
-        delivery.show(along.to_dict, lambda: print_envelope_along(along))
+        delivery.give(along, print_envelope_along)
         raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
     ship, reach, notes = section.placed(ship)
     result = noting(nw.safe_envelope(ship, **asked, **reach), *notes)
-    delivery.write(result.save, lambda: envelope_chart(result))
-    delivery.show(result.to_dict, lambda: print_envelope(result))
+    delivery.give(result, print_envelope)
     raise SystemExit(int(bool(result.highest_speed().isnull().all())))

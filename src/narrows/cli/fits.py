@@ -1,19 +1,22 @@
-"""``identify``, ``demo``, ``explain`` and ``plan``: models and their uncertainty from tests; tests to make."""
+"""``identify``, ``demo``, ``explain``, ``plan``: models from tests; ``estimate``, ``scale``, ``export``, ``ships``."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
 import narrows as nw
 from narrows.base.errors import InputError
+from narrows.base.files import to_json, write_whole
 from narrows.base.progress import stage
 from narrows.cli import options as cli
-from narrows.empirical.fleet import model_named
+from narrows.cli.voyages import OF_WATERWAY, HelmOptions, PhysicsOptions, WaterOptions
+from narrows.empirical.fleet import model_named, table_of_ships
+from narrows.export.exporters import EXPORTERS
 
 if TYPE_CHECKING:
     from narrows.captive.read import Tests
@@ -27,13 +30,9 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 class FittingOptions:
     balance: Annotated[str, "Units of equal weight: 'tests' of any length, or 'rows'."] = "tests"
     terms: cli.Terms = "paper"
-    accelerations: Annotated[
-        str, "'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'."
-    ] = "checked"
+    accelerations: Annotated[str, "'motion', 'measured', or 'checked': measured unless the motion differs."] = "checked"
     errors: cli.RunErrors = "0.02,0.02,0.02"
-    pass_over: Annotated[
-        cli.Words, "'rudder': fit although it moves without a rudder term; other terms absorb its force."
-    ] = ""
+    pass_over: Annotated[cli.Words, "'rudder': fit without a term of a rudder that moves."] = ""
     pool: Annotated[str | None, "'depth': separate hull coefficients at each depth, one bank."] = None
 
 
@@ -62,7 +61,6 @@ def identify(
 
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
-    from narrows.base.files import write_whole
     from narrows.captive.draft import draft_columns
     from narrows.captive.formats import is_known
     from narrows.readers.frames import read_frame
@@ -124,19 +122,22 @@ def explain(
     """Evaluate a model on any table of tests.
 
     It gives the errors of the model, the verdicts of a fit to these tests, and the terms that predict them best.
-
-    MODEL is a model file, or the name of a published model.
     """
-    from narrows.identification.fitting import the_condition
-    from narrows.report.explanation_report import print_explanation, write_explanation
+    from narrows.report.fit_page import print_explanation, write_explanation
 
     chosen = model_named(model)
-    mapping = selection.mapping_of(table)
-    read = nw.read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
-    result = nw.explain(chosen, the_condition(read, selection.condition), compare)
-    title = f"{model} on {table.name}"
-    delivery.write(result.save, report=lambda path: write_explanation(result, path, title))
-    delivery.show(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
+    result = nw.explain(chosen, _tests(table, ship or chosen.configuration, selection, chosen.terms), compare)
+    delivery.give(
+        result, lambda result: print_explanation(result, selection.condition or ""),
+        report=lambda path: write_explanation(result, path, f"{model} on {table.name}"),
+    )  # fmt: skip
+
+
+def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests":
+    from narrows.identification.fitting import the_condition
+
+    read = nw.read_captive(table, ship, selection.where, terms.actuators, selection.mapping_of(table))
+    return the_condition(read, selection.condition)
 
 
 def publish(
@@ -147,23 +148,22 @@ def publish(
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
+    from narrows.report.printed_tables import print_fit
 
     every = {**first, **fits}
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
-    written = []
-    for label, fit in fits.items() if delivery.output else ():
-        assert delivery.output
-        written.append(cli.output_of(delivery.output, label) if len(fits) > 1 else delivery.output)
+    output, written = delivery.output, list[Path]()
+    for label, fit in fits.items() if output else ():
+        assert output
+        written.append(cli.output_of(output, label) if len(fits) > 1 else output)
         fit.model.save(written[-1])
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)
     if delivery.json:
         shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in every.items()}
-        cli.print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
+        click.echo(to_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown}))
     else:
-        from narrows.report.printed_tables import print_fit
-
         for label, fit in every.items():
             print_fit(fit, label, answer=answers[label], table=len(every) == 1)
         click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
@@ -181,7 +181,7 @@ def reproduce(
 
     Numbers of this package are listed with those of the paper.
     """
-    from narrows.report.explanation_report import write_reproduction
+    from narrows.report.fit_page import write_reproduction
     from narrows.studies.mikkelsen2025 import reproduce as made
 
     cli.folder(out)
@@ -196,9 +196,7 @@ class RunOptions:
     runs: Annotated[int, "Number of runs."] = 12
     run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None
     clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5
-    speed: Annotated[
-        cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."
-    ] = None
+    speed: Annotated[cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested."] = None
     depths: Annotated[cli.Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
     reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None
 
@@ -228,18 +226,125 @@ def plan(
     """Choose captive tests that identify the bank."""
     from narrows.report.printed_tables import print_plan
 
-    made = _made(after, ship, selection, aim.terms)
-    tested = made.configuration if made else ship
-    result = nw.plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **vars(aim))
-    delivery.write(result.save)
-    delivery.show(result.to_dict, lambda: print_plan(result))
+    made = _tests(after, ship, selection, aim.terms) if after else None
+    result = nw.plan_tests(made.configuration if made else ship, runs.runs, tank=runs.tank(), after=made, **vars(aim))
+    delivery.give(result, print_plan)
     raise SystemExit(int(not result.determined))
 
 
-def _made(after: Path | None, ship: Path, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests | None":
-    from narrows.identification.fitting import the_condition
+*_FIRST, _LAST = map(repr, EXPORTERS)
+WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
+*_FIRST, _LAST = dict.fromkeys(suffix for exporter in EXPORTERS.values() for suffix in exporter.suffixes)
+WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 
-    if after is None:
-        return None
-    read = nw.read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))
-    return the_condition(read, selection.condition)
+
+@cli.verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
+def scale(
+    model: cli.ModelFile,
+    length: Annotated[float, "Length between perpendiculars of the new ship [m]."],
+    delivery: cli.PlainModelDelivery,
+    density: Annotated[float | None, "Density of the new water [kg/m3]; default: unchanged."] = None,
+    width: Annotated[float | None, "Width of the new canal [m]; default: that of the tests, scaled."] = None,
+    depth: Annotated[float | None, "Depth of the new canal [m]; default: that of the tests, scaled."] = None,
+    form_factor: Annotated[float | None, "Scale friction by the ITTC line with this form factor k."] = None,
+) -> None:
+    """Scale a model to another length by Froude's law.
+
+    It reports the effects that do not scale.
+    """
+    from narrows.report.printed_tables import print_scaled
+
+    scaled = nw.scale_model(model_named(model), length, density, width, depth, form_factor)
+    delivery.give(scaled, print_scaled, save=scaled.model.save)
+
+
+@cli.verb("narrows export c mikkelsen2025_dtc -o dtc.h", needs=OF_WATERWAY)
+def export(
+    kind: Annotated[str, cli.Argument(help=WHAT)],
+    model: cli.ModelFile,
+    output: Annotated[Path, cli.Option("--output", "-o", help=WHERE)],
+    physics: PhysicsOptions,
+    water: WaterOptions,
+    fmi: Annotated[int, "FMI version of an FMU: 2 or 3."] = 2,
+    hold: Annotated[float | None, "Offset [m] held by a helm in the file."] = None,
+    json: cli.AsJson = False,
+) -> None:
+    """Export a model: C, C++, JavaScript, MATLAB, FMU and more.
+
+    The file contains the equations of the simulation.
+    """
+    from narrows.simulation.initial_state import voyage_defaults
+
+    if kind not in EXPORTERS:
+        kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
+        raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
+    exporter = EXPORTERS[kind]
+    ship, way = model_named(model), water.read()
+    options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics)}
+    options["controller"] = HelmOptions(hold=hold).of(ship, voyage_defaults(ship).speed, 0.0, way)
+    for name, why in exporter.refused.items():
+        if options[name] is not None:
+            raise InputError(why)
+    known = exporter.options
+    if hold is not None and "controller" not in known:
+        raise InputError(f"a file of kind {kind} has no helm of its own to set; leave --hold out")
+    written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})
+    notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
+    shown = {"summary": f"wrote {output}", "kind": kind, "output": str(output), "platforms": platforms, "notes": notes}
+    cli.Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))
+
+
+@dataclass(frozen=True)
+class DimensionOptions:
+    length: Annotated[float, "Length between perpendiculars [m]."]
+    width: Annotated[float, "Width of the canal, from bank to bank [m]."]
+    depth: Annotated[float | None, "Depth of the canal [m]; default: deep water."] = None
+    beam: Annotated[float | None, "Beam of the ship [m]; usual for its --type unless given."] = None
+    draft: Annotated[float | None, "Draft of the ship [m]; usual for its --type unless given."] = None
+    block: Annotated[float | None, "Block coefficient; usual for its --type unless given."] = None
+    density: Annotated[float, "Density of the water [kg/m3]."] = 1025.0
+    name: Annotated[str, "Name of the ship."] = "ship"
+
+
+@cli.verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
+def estimate(
+    dimensions: DimensionOptions,
+    delivery: cli.PlainModelDelivery,
+    kind: Annotated[
+        str | None, cli.Option("--type", help="container, tanker, bulk, general, inland or convoy.")
+    ] = None,
+    speed: Annotated[cli.Speed | None, "Service speed: 12m/s, 16kn; default: usual for the type."] = None,
+) -> None:
+    """Estimate a model from the main dimensions of a ship.
+
+    Its uncertainty is the error of the formulas on known ships.
+    """
+    from narrows.report.printed_tables import print_estimate
+
+    own = dimensions
+    ship = {
+        "length": own.length, "beam": own.beam, "draft": own.draft, "block_coefficient": own.block, "name": own.name,
+    }  # fmt: skip
+    model = nw.estimate_model(ship, nw.Canal(own.width, own.depth), nw.Water(own.density), kind=kind, speed=speed)
+    coefficients = model.to_dataframe()[["value", "std", "unit"]].to_dict("index")
+    shown = {"coefficients": coefficients, "summary": model.summary(), "notes": list(model.notes)}
+    delivery.give(model, print_estimate, values=lambda: shown)
+
+
+@cli.verb("narrows ships")
+def ships(
+    model: Annotated[str | None, cli.Argument(help="Model to show: a file, or the name of a published model.")] = None,
+    json: cli.AsJson = False,
+) -> None:
+    """List the available ships, or show one model.
+
+    Each name of the list replaces a model file.
+    """
+    from narrows.report.printed_tables import print_model, print_ships
+
+    one = model_named(model) if model is not None else None
+    table = nw.ready_ships() if model is None else table_of_ships([model])
+    summary = one.summary() if one else f"{len(table)} ships; each name replaces a model file"
+    notes = list(one.notes) if one else []
+    shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": notes}
+    cli.Delivery(json=json).show(lambda: shown, lambda: print_model(one) if one else print_ships(table))

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import narrows as nw
 from narrows.base.errors import InputError
@@ -11,17 +11,12 @@ from narrows.base.progress import LARGE_FILE
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 
-if TYPE_CHECKING:
-    from narrows.logbook.reading.read_log import StreamedLog
-
 # Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "plan", "information")
 
 
-Logs = Annotated[
-    list[Path] | None,
-    cli.Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", metavar="[LOG]..."),
-]
+LOGS = "The ship's own logs: CSV, Parquet, NMEA 0183."
+OWN_SIZE = "Model file at the ship's own size, with a rudder and the covariance of its fit; none for --demo."
 
 
 @dataclass(frozen=True)
@@ -29,22 +24,18 @@ class LogOptions:
     free: Annotated[cli.Words, "Free coefficients: b_bank,c_bank; default: all."] = ""
     sensors: Annotated[str, "Measurement quality of a log: rtk, vdr, ais, or basin."] = "vdr"
     spread: Annotated[float | None, "Relative standard deviation of coefficients without a fit."] = None
-    mapping: Annotated[Path | None, "TOML of the log's own names, units, signs and delays; see docs/ship-log.md."] = (
-        None
-    )
+    mapping: Annotated[Path | None, "TOML of the log's names, units, signs and delays; see docs/ship-log.md."] = None
     unchecked: Annotated[bool, "Fit although the log's signs, units or clock look wrong."] = False
     demo: Annotated[bool, "Fit simulated twins of ten transits of a 400 m ship; compare with the truth."] = False
 
 
+PILOT_PAGE = cli.Option(help="Plan steady legs and write the pilot's page: .html.", check=cli.named(cli.PAGES))
+
+
 @dataclass(frozen=True)
 class LegOptions:
-    steady: Annotated[
-        Path | None, "Steady legs off the middle: a table of y, u, rudder and drift or heading, one row per leg."
-    ] = None
-    plan_steady: Annotated[
-        Path | None,
-        cli.Option(help="Plan steady legs and write the pilot's page: .html.", callback=cli.named(cli.PAGES)),
-    ] = None
+    steady: Annotated[Path | None, "Steady legs: a table of y, u, rudder and drift or heading, a row per leg."] = None
+    plan_steady: Annotated[Path | None, PILOT_PAGE] = None
     legs: Annotated[int, "Number of legs to plan, even."] = 4
     y: Annotated[cli.Numbers | None, "Allowed offsets [m] to either side: a,b,c or from:to:count."] = None
     wind: Annotated[cli.Speed, "Standard deviation of beam wind: 8m/s, 16kn."] = "8m/s"
@@ -52,9 +43,7 @@ class LegOptions:
 
 @dataclass(frozen=True)
 class InformationOptions:
-    predict_information: Annotated[
-        str | None, "Predict the information of transits on the bank coefficients; give the sensors: rtk or vdr."
-    ] = None
+    predict_information: Annotated[str | None, "Predict what transits tell of the banks; sensors: rtk or vdr."] = None
     waterway: cli.WaterwayFile = None
 
 
@@ -69,38 +58,40 @@ def learn(
     ahead: InformationOptions,
     delivery: cli.ModelDelivery,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
-    model: Annotated[str | None, cli.Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
-    logs: Logs = None,
+    model: Annotated[str | None, cli.Argument(help=OWN_SIZE, metavar="[MODEL]")] = None,
+    logs: Annotated[list[Path] | None, cli.Argument(help=LOGS, metavar="[LOG]...")] = None,
 ) -> None:
     """Learn coefficients from a ship's log or steady legs.
 
     Steady legs are held to one side of the canal and then to the other.
-
-    MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
     if logged.demo:
         from narrows.logbook.ship_log import sensor_grade
         from narrows.logbook.transits import demonstrated_log
 
         prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
-        fit = nw.learn(prior, log, sensors=logged.sensors)
-        raise SystemExit(int(not _deliver(fit, delivery, truth.coefficients)))
-    ship = model_named(model or "")
-    if logs:
-        found = _learn(ship, logs, logged, ahead, delivery)
+        found = _deliver(nw.learn(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
+    elif logs:
+        found = _learn(model_named(model or ""), logs, logged, ahead, delivery)
     elif legs.steady is not None:
-        found = _learn_steady(ship, legs, legs.steady, delivery)
+        found = _learn_steady(model_named(model or ""), legs, legs.steady, delivery)
     elif legs.plan_steady is not None:
-        found = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
+        found = _plan(model_named(model or ""), legs, legs.plan_steady, speed, delivery.json)
     else:
-        found = _predict_information(ship, ahead, speed, delivery.json)
+        found = _predict_information(model_named(model or ""), ahead, speed, delivery.json)
     raise SystemExit(int(not found))
 
 
 def _learn(
     model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: cli.ModelDelivery
 ) -> bool:
-    log = _read(logs, logged, ahead)
+    twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
+    if twice is not None:
+        raise InputError(f"{twice} is given twice and would count twice; give each log once")
+    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
+    # Logs in memory, or read from disk at each pass if one is large.
+    large = len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE
+    log: Any = nw.stream_log(logs[0], way, logged.mapping) if large else nw.read_log(logs, way, logged.mapping)
     doubts: tuple[str, ...] = ()
     if not logged.unchecked:
         findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
@@ -112,55 +103,47 @@ def _learn(
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
 
 
-def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog | StreamedLog":
-    """Logs in memory, or read from disk at each pass if one is large."""
-    twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
-    if twice is not None:
-        raise InputError(f"{twice} is given twice and would count twice; give each log once")
-    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
-    if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE:
-        return nw.stream_log(logs[0], way, logged.mapping)
-    return nw.read_log(logs, way, logged.mapping)
-
-
 def _deliver(fit: "nw.LogFit", delivery: cli.ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
-    from narrows.report.log_report import print_log_fit, write_log_report
+    from narrows.report.learning_pages import print_log_fit, write_log_report
 
-    delivery.write(fit.model.save, report=lambda path: write_log_report(fit, path, truth))
-    result = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
-    delivery.show(lambda: result, lambda: print_log_fit(fit, truth))
+    delivery.give(
+        fit, lambda fit: print_log_fit(fit, truth), save=fit.model.save,
+        report=lambda path: write_log_report(fit, path, truth),
+        values=lambda: _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth)),
+    )  # fmt: skip
     return fit.informative
 
 
 def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: cli.ModelDelivery) -> bool:
-    from narrows.report.pilot_page import print_steady_fit, write_steady_report
+    from narrows.report.learning_pages import print_steady_fit, write_steady_report
 
     fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
-    delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, path))
-    result = _told(fit, steady=fit.to_dict())
-    delivery.show(lambda: result, lambda: print_steady_fit(fit))
+    delivery.give(
+        fit, print_steady_fit, save=fit.model.save, report=lambda path: write_steady_report(fit, path),
+        values=lambda: _told(fit, steady=fit.to_dict()),
+    )  # fmt: skip
     return fit.informative
 
 
 def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
-    from narrows.report.pilot_page import print_steady_plan, write_pilot_page
+    from narrows.report.learning_pages import print_steady_plan, write_pilot_page
 
     ahead = None if speed is None else cli.speeds("--speed", speed)
     plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))
-    if plan.legs:
-        write_pilot_page(plan, page)
     shown = cli.Delivery(page if plan.legs else None, json)
-    shown.show(lambda: _told(plan, plan=plan.to_dict()), lambda: print_steady_plan(plan))
+    values = _told(plan, plan=plan.to_dict())
+    shown.give(plan, print_steady_plan, save=lambda path: write_pilot_page(plan, path), values=lambda: values)
     return bool(plan.legs)
 
 
 def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: str | None, json: bool) -> bool:
-    from narrows.report.pilot_page import print_information
+    from narrows.report.learning_pages import print_information
 
     way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
     u = None if speed is None else cli.speed("--speed", speed)
     found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
-    cli.Delivery(json=json).show(lambda: _told(found, information=found.to_dict()), lambda: print_information(found))
+    values = _told(found, information=found.to_dict())
+    cli.Delivery(json=json).give(found, print_information, values=lambda: values)
     return True
 
 

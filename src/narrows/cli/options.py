@@ -53,22 +53,20 @@ class Text(click.ParamType[Any, Any]):
 class Option:
     """An option of a verb; its name is that of the parameter unless names are given."""
 
-    def __init__(self, *names: str, help: str, callback: Callable[[Any], Any] | None = None, **attributes: Any) -> None:
-        self.names, self.help, self.attributes = names, help, attributes
-        if callback:
-            self.attributes["callback"] = lambda context, parameter, value: callback(value)
+    def __init__(self, *names: str, help: str, check: Callable[[Any], Any] | None = None, **attributes: Any) -> None:
+        self.names, self.attributes = names, {"help": help, **attributes}
+        if check:
+            self.attributes["callback"] = lambda context, parameter, value: check(value)
 
     def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
         """Return click's parameter: kind is the type, including a union with None or a list of many."""
-        names = self.names or (f"--{name.replace('_', '-')}",)
-        typed: dict[str, Any] = (
-            {"is_flag": True} if kind is bool else {"type": _type(kind), **_many(kind, multiple=True)}
-        )
+        typed = {"is_flag": True} if kind is bool else _typed(kind, multiple=True)
         if default is Parameter.empty:
             typed["required"] = True
         else:
             typed |= {"default": default, "show_default": kind is not bool and default not in (None, "")}
-        return click.Option([*names, name], help=self.help, **(typed | self.attributes))
+        names = self.names or (f"--{name.replace('_', '-')}",)
+        return click.Option([*names, name], **(typed | self.attributes))
 
 
 class Argument(Option):
@@ -76,24 +74,46 @@ class Argument(Option):
 
     def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
         given = {} if default is Parameter.empty else {"default": default, "required": False}
-        own = {"type": _type(kind), **_many(kind, nargs=-1)}
-        return click.Argument([name], help=self.help, **own, **given, **self.attributes)
+        return click.Argument([name], **_typed(kind, nargs=-1), **given, **self.attributes)
 
 
-def _type(kind: Any) -> click.ParamType[Any, Any]:
-    """Return the type of one value of ``X | None``, ``list[X]``, or ``Annotated[Any, read]``."""
+def _typed(kind: Any, **of_many: Any) -> dict[str, Any]:
+    """Return click's type of one value of ``X | None``, ``list[X]``, or ``Annotated[Any, read]``."""
+    attributes: dict[str, Any] = {}
     while get_origin(kind) in (list, UnionType, Union):
+        if get_origin(kind) is list:
+            attributes = {**of_many, "callback": lambda context, parameter, values: list(values) or None}
         kind = next(part for part in get_args(kind) if part is not type(None))
-    return TYPES[kind] if kind in TYPES else Text(get_args(kind)[1])
+    return {"type": TYPES[kind] if kind in TYPES else Text(get_args(kind)[1]), **attributes}
 
 
-def _many(kind: Any, **attributes: Any) -> dict[str, Any]:
-    is_many = any(get_origin(part) is list for part in (kind, *get_args(kind)))
-    return {**attributes, "callback": lambda context, parameter, values: list(values) or None} if is_many else {}
+Function = TypeVar("Function", bound=Callable[..., None])
 
 
-def command(function: Callable[..., Any], name: str | None, example: str, together: "Together") -> click.Command:
-    """Return the verb of a function; a dataclass parameter becomes one option per field, a delivery some options."""
+def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
+    """Register a function as a verb, with the options that go ``Together``.
+
+    A dataclass parameter becomes one option per field, a delivery some options.
+    """
+
+    def registered(function: Function) -> Function:
+        parameters, groups = _declarations(function)
+
+        def called(**given: Any) -> Any:
+            Together(**together).check(click.get_current_context())
+            made = {own: kind(**{each: given.pop(each) for each in names}) for own, (kind, names) in groups.items()}
+            return function(**given, **made)
+
+        own = name or function.__name__
+        epilog = f"Example: {example}"
+        app.add_command(click.Command(own, callback=called, params=parameters, help=function.__doc__, epilog=epilog))
+        return function
+
+    return registered
+
+
+def _declarations(function: Callable[..., Any]) -> tuple[list[click.Parameter], dict[str, tuple[Any, list[str]]]]:
+    """Return click's parameters of a function, and the dataclass and fields of each of its groups."""
     hints, parameters = get_type_hints(function, include_extras=True), list[click.Parameter]()
     groups: dict[str, tuple[Any, list[str]]] = {}
     for own, parameter in signature(function).parameters.items():
@@ -107,16 +127,7 @@ def command(function: Callable[..., Any], name: str | None, example: str, togeth
         groups[own] = kind, list(kinds)
         for each, hint in kinds.items():
             parameters.append(_declared(each, hint, Parameter.empty if defaults[each] is MISSING else defaults[each]))
-
-    def called(**given: Any) -> Any:
-        together.check(click.get_current_context())
-        made = {own: kind(**{each: given.pop(each) for each in names}) for own, (kind, names) in groups.items()}
-        return function(**given, **made)
-
-    return click.Command(
-        name or function.__name__.replace("_", "-"), callback=called, params=parameters, help=function.__doc__,
-        epilog=f"Example: {example}",
-    )  # fmt: skip
+    return parameters, groups
 
 
 class Together(NamedTuple):
@@ -197,27 +208,19 @@ def output_of(path: Path, label: str) -> Path:
     return path.with_name(f"{path.stem}-{label.translate(NOT_IN_NAMES)}{path.suffix}")
 
 
-def print_json(value: object) -> None:
-    click.echo(to_json(value))
-
-
 Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.")]
 
 SHIP_FILE = "Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."
 ShipFile = Annotated[Path, SHIP_FILE]
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
-WaterwayFile = Annotated[
-    Path | None, "GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line."
-]
+WaterwayFile = Annotated[Path | None, "GeoJSON of a waterway instead of the canal; x, y, psi are relative to its line."]
 
 
 @dataclass(frozen=True)
 class SelectionOptions:
     where: Annotated[str | None, "Selection of rows, as in 'u > 0.3 and abs(psi_deg) < 9', also by headers."] = None
-    mapping: Annotated[
-        Path | None, "TOML of the table's own names, units and signs: [columns], [units], [positive]."
-    ] = None
+    mapping: Annotated[Path | None, "TOML of own names, units and signs: [columns], [units], [positive]."] = None
     condition: Annotated[str | None, "Use only this condition of the table."] = None
 
     def mapping_of(self, table: Path) -> Path | None:
@@ -228,19 +231,6 @@ class SelectionOptions:
         path = table.with_name("columns.toml")
         confirmed = self.mapping is None and path.is_file() and load_toml(path).get(CONFIRMED) is True
         return path if confirmed else self.mapping
-
-
-Function = TypeVar("Function", bound=Callable[..., None])
-
-
-def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
-    """Register a function as a verb, with the options that go ``Together``; a dataclass becomes one option a field."""
-
-    def registered(function: Function) -> Function:
-        app.add_command(command(function, name, example, Together(**together)))
-        return function
-
-    return registered
 
 
 # Largest number of values in a range.
@@ -322,34 +312,37 @@ class Delivery:
     plot: Path | None = None
     report: Path | None = None
 
-    def write(
-        self, save: Callable[[Path], Any], draw: Callable[[], "Figure"] | None = None,
-        report: Callable[[Path], None] | None = None,
+    def give(
+        self, result: Any, words: Callable[[Any], object], *, save: Callable[[Path], Any] | None = None,
+        draw: Callable[[], "Figure"] | None = None, report: Callable[[Path], None] | None = None,
+        values: Callable[[], Any] | None = None,
     ) -> None:  # fmt: skip
+        """Write the files of a result, and print it in ``words``, or as JSON of ``values`` (its ``to_dict``)."""
         if self.output:
-            save(self.output)
+            (save or result.save)(self.output)
         if self.report and report:
             report(self.report)
-        if self.plot and draw:
-            save_figure(draw(), self.plot)
+        if self.plot:
+            save_figure((draw or result.plot)(), self.plot)
+        self.show(values or result.to_dict, lambda: words(result))
 
-    def show(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
+    def show(self, values: Callable[[], Any], words: Callable[[], object]) -> None:
         if self.json:
-            print_json(values())
-            return
-        words()
-        print_written((self.output, self.plot, self.report))
+            click.echo(to_json(values()))
+        else:
+            words()
+            print_written((self.output, self.plot, self.report))
 
 
 JSON = Option("--json", help="Print JSON instead of tables.")
 AsJson = Annotated[bool, JSON]
-PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))
-REPORT = Option(help="Self-contained HTML report to write.", callback=named(PAGES))
+PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", check=named(PICTURES))
+REPORT = Option(help="Self-contained HTML report to write.", check=named(PAGES))
 
 
 def delivered(help: str, forms: tuple[str, ...], **others: Option) -> dict[str, Option]:
     """Return the options of a delivery: by default its file and its JSON."""
-    return {"output": Option("--output", "-o", help=help, callback=named(forms)), "json": JSON, **others}
+    return {"output": Option("--output", "-o", help=help, check=named(forms)), "json": JSON, **others}
 
 
 PlainModelDelivery = Annotated[Delivery, delivered("Model file to write: .toml.", MODELS)]
@@ -359,7 +352,5 @@ TableDelivery = Annotated[Delivery, delivered(TABLE, TABLES)]
 ReportDelivery = Annotated[Delivery, delivered(TABLE, TABLES, report=REPORT)]
 ChartDelivery = Annotated[Delivery, delivered(TABLE, TABLES, plot=PICTURE)]
 TrackDelivery = Annotated[Delivery, delivered("Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", TRACKS, plot=PICTURE)]
-DatasetDelivery = Annotated[
-    Delivery, delivered("Data: .nc, .zarr, .csv, .parquet, .mat or .json.", DATASETS, plot=PICTURE)
-]
+DatasetDelivery = Annotated[Delivery, delivered("Data: .nc, .zarr, .csv, .mat, ..., .json.", DATASETS, plot=PICTURE)]
 WaterwayDelivery = Annotated[Delivery, delivered("GeoJSON to write.", WATERWAYS)]

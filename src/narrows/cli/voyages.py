@@ -28,9 +28,7 @@ ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' c
 @dataclass(frozen=True)
 class StartOptions:
     y: Annotated[float, "Start to starboard of the centreline [m]."] = 0.0
-    speed: Annotated[
-        cli.Speed | None, "Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."
-    ] = None
+    speed: Annotated[cli.Speed | None, "Surge velocity: 1.2m/s, 8kn, or m/s; default: that of the ship."] = None
     psi_deg: Annotated[float, "Heading at the start [deg]."] = 0.0
     v: Annotated[cli.Speed, "Sway velocity at the start, likewise."] = "0m/s"
     r_deg: Annotated[float, "Yaw rate at the start [deg/s]."] = 0.0
@@ -103,9 +101,7 @@ class WaterOptions:
     current: CurrentText = None
     level: Annotated[float | None, "Water level above that of the waterway's depths [m]."] = None
     current_across: Annotated[Current, "Current to starboard of the line, likewise."] = None
-    current_shear: Annotated[
-        Shear, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
-    ] = None
+    current_shear: Annotated[Shear, "Rise of the current per metre to starboard [1/s]: 0.002; 0:0.001,900:0."] = None
 
     def read(self) -> "nw.Waterway | None":
         if self.waterway is None:
@@ -119,13 +115,8 @@ OF_WATERWAY = {"current level current_across current_shear": "waterway"}
 
 @dataclass(frozen=True)
 class VariedOptions:
-    y: Annotated[
-        cli.Numbers | None, "Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."
-    ] = None
-    speed: Annotated[
-        cli.Speeds | None,
-        "Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship.",
-    ] = None
+    y: Annotated[cli.Numbers | None, "Start to starboard [m]: a,b,c or from:to:count; default: all."] = None
+    speed: Annotated[cli.Speeds | None, "Surge velocity: 8kn, 4kn:8kn:5, or m/s; default: that of the ship."] = None
     psi_deg: Annotated[cli.Numbers, "Heading at the start [deg], likewise."] = "0"
     width: Annotated[cli.Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
     x: Annotated[cli.Numbers, "Start along the waterway [m], likewise."] = "0"
@@ -151,6 +142,7 @@ class SampleOptions:
             raise InputError(f"--within {self.within} is no distance; give metres")
 
 
+BOTTOM = cli.Option("--bottom/--no-bottom", help="End where the ship touches bottom or chokes the section.")
 # Distance below which two places are one in words [m].
 SAME_PLACE = 0.05
 # Default number of offsets in a map.
@@ -169,15 +161,9 @@ def simulate(
     physics: PhysicsOptions,
     water: WaterOptions,
     delivery: cli.TrackDelivery,
-    bottom: Annotated[
-        bool,
-        cli.Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section."),
-    ] = True,
+    bottom: Annotated[bool, BOTTOM] = True,
 ) -> None:
-    """Simulate one voyage, to where the ship grounds.
-
-    MODEL is a model file, or the name of a published model.
-    """
+    """Simulate one voyage, to where the ship grounds."""
     from narrows.simulation.initial_state import voyage_defaults
 
     chosen, waterway = model_named(model), water.read()
@@ -187,12 +173,11 @@ def simulate(
     voyage = nw.simulate(
         chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options
     )
-    delivery.write(voyage.save, voyage.plot)
     unsteered = controller is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
     fixed = (
         f"\nNobody steered: the rudder stayed at {helm.rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
     )
-    delivery.show(voyage.to_dict, lambda: click.echo(voyage.summary() + fixed))
+    delivery.give(voyage, lambda voyage: click.echo(voyage.summary() + fixed))
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
@@ -209,10 +194,7 @@ def map_(
     delivery: cli.DatasetDelivery,
     contact: ContactKind = "corners",
 ) -> None:
-    """Map where the ship grounds, over one or two variables.
-
-    MODEL is a model file, or the name of a published model.
-    """
+    """Map where the ship grounds, over one or two variables."""
     from narrows.simulation.ensemble import map_summary
     from narrows.simulation.initial_state import voyage_defaults
 
@@ -222,12 +204,11 @@ def map_(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time) | {"contact": contact}, **vary,
     )  # fmt: skip
-    delivery.write(
-        lambda path: save_dataset(voyages, path),
-        lambda: nw.report.map_figure(voyages, chosen, samples.within, waterway, vary),
-    )
     summary = map_summary(voyages)
-    delivery.show(lambda: summary, lambda: click.echo(summary["summary"]))
+    delivery.give(
+        summary, lambda summary: click.echo(summary["summary"]), save=lambda path: save_dataset(voyages, path),
+        draw=lambda: nw.report.map_figure(voyages, chosen, samples.within, waterway, vary), values=lambda: summary,
+    )  # fmt: skip
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
@@ -255,15 +236,12 @@ def trials(
 ) -> None:
     """Simulate turning circles and zigzags in open water.
 
-    It gives advance, tactical diameter and overshoots.
-
-    MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
+    It gives advance, tactical diameter and overshoots of a model with a rudder, without its terms of the banks.
     """
-    from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
+    from narrows.report.printed_tables import print_manoeuvres
 
     result = nw.sail_trials(model_named(model), speed, turn_deg, zigzags, dt)
-    delivery.write(result.save, lambda: manoeuvres_figure(result))
-    delivery.show(result.to_dict, lambda: print_manoeuvres(result))
+    delivery.give(result, print_manoeuvres)
 
 
 # Search distance for a bank in a chart [m].
@@ -275,13 +253,8 @@ REACH = 1000.0
     needs={"reach": "file"}, apart=("file width",),
 )  # fmt: skip
 def waterway(
-    file: Annotated[
-        Path | None,
-        cli.Argument(help="GeoJSON, KML, shapefile, or a cell of an electronic chart (.000); none with --width."),
-    ] = None,
-    line: Annotated[
-        Path | None, "Centreline, through a chart or an area, or with --width: a map with one line, as it is sailed."
-    ] = None,
+    file: Annotated[Path | None, cli.Argument(help="GeoJSON, KML, shapefile, chart (.000); none with --width.")] = None,
+    line: Annotated[Path | None, "Centreline as it is sailed, through a chart or an area: a map with one line."] = None,
     width: Annotated[float | None, "Width from bank to bank along --line [m]."] = None,
     depth: Annotated[float | None, "Water depth [m], if the file gives none."] = None,
     reach: Annotated[float, "Search distance for a bank in a chart [m]."] = REACH,
@@ -301,8 +274,10 @@ def waterway(
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
-    delivery.write(lambda path: nw.write_waterway(result, path))
-    delivery.show(lambda: waterway_summary(result, draft, notes), lambda: print_waterway(result, draft, notes))
+    delivery.give(
+        result, lambda result: print_waterway(result, draft, notes),
+        save=lambda path: nw.write_waterway(result, path), values=lambda: waterway_summary(result, draft, notes),
+    )  # fmt: skip
 
 
 def _made(

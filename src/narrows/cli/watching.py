@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
@@ -22,44 +22,41 @@ from narrows.empirical.fleet import model_named
 
 if TYPE_CHECKING:
     from narrows.warning.inputs.bridge_readings import Tick
-    from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-    from narrows.warning.monitoring.watched_transit import BridgeStatus, WatchedTransit
+    from narrows.warning.monitoring.watched_transit import BridgeStatus, TransitLog
     from narrows.warning.page.bridge_page import BridgePage
 
 STATUS_EVERY = 10  # Time between lines of status [s]
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
+OWN_SIZE = "Model file at the ship's own size, with a rudder; none for --demo."
 USUAL_SPEED = 4.0  # Speed for compiling the kernels [m/s]
 
 
 @dataclass(frozen=True)
 class InputOptions:
-    listen: Annotated[
-        list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."
-    ] = None
+    listen: Annotated[list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/..., ws://HOST:3000; again."] = (
+        None
+    )
     replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
     score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
     demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
-    pace: Annotated[
-        float | None,
-        "With --replay and --demo: factor on real time; default: as fast as possible, with --page real time.",
-    ] = None
-    commands_from: Annotated[
-        list[str] | None, "Host or device whose acknowledgements (ACN) are accepted; default: none; repeatable."
-    ] = None
+    pace: Annotated[float | None, "Factor on real time; default: as fast as possible, with --page real time."] = None
+    commands_from: Annotated[list[str] | None, "Host or device that may acknowledge (ACN); again."] = None
     mmsi: Annotated[int | None, "MMSI of the AIS reports to read; default: the ship's own."] = None
     antenna: Annotated[str, "Position of the antenna [m]: forward,starboard of midship."] = "0,0"
+
+
+RECORDING = Option(help="Write the messages of --demo, for --replay: .nmea.", check=named((".nmea",)))
 
 
 @dataclass(frozen=True)
 class AlertOptions:
     log: Annotated[Path | None, "Log of alerts, written before they are sent: .db."] = None
-    send: Annotated[
-        list[str] | None, "ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."
-    ] = None
-    recording: Annotated[
-        Path | None, Option(help="Write the messages of --demo, for --replay: .nmea.", callback=named((".nmea",)))
-    ] = None
+    send: Annotated[list[str] | None, "ALF, ALC, HBT, ARC to udp://HOST:PORT; Signal K to ws://HOST:3000; again."] = (
+        None
+    )
+    recording: Annotated[Path | None, RECORDING] = None
 
 
 @dataclass(frozen=True)
@@ -72,43 +69,47 @@ class PageOptions:
 @verb(
     "narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db",
     needs={"recording": "demo", "host port": "page"},
-    one=("listen replay score demo", "model demo", "waterway demo"),
-)
+    one=("listen replay score demo", "model demo", "waterway demo"), apart=("score output", "score report"),
+)  # fmt: skip
 def monitor(
     inputs: InputOptions,
     alerts: AlertOptions,
     page: PageOptions,
     delivery: ReportDelivery,
-    model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
+    model: Annotated[str | None, Argument(help=OWN_SIZE, metavar="[MODEL]")] = None,
     waterway: WaterwayFile = None,
     y: Annotated[float, "Offset to which the escape manoeuvre steers the ship [m]."] = 0.0,
 ) -> None:
     """Watch a ship beside the banks, and warn.
 
-    It is decision support, not type-approved equipment.
-
-    MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway is in map coordinates.
+    It is decision support, not type-approved equipment; the waterway is in map coordinates.
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
+    from narrows.report.transit_report import write_transit_report
+    from narrows.warning.monitoring.watched_transit import TransitLog
+
     if inputs.pace is not None and not inputs.pace > 0:
         raise InputError(f"--pace {inputs.pace:g} is no pace; give times real time, over 0")
     if inputs.score:
         return _score(inputs, model or "", waterway, y, delivery)
     pace = inputs.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
-        (publisher, senders), shown = _outputs(alerts, stack), _page(page, stack)
+        publisher, shown = _outputs(alerts, stack), _page(page, stack)
         if inputs.demo:
             monitored, ticks = _demo(pace, alerts, publisher)
         else:
             monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _ticks_of(inputs, pace, stack)
-        transit = _watch(monitored, ticks, senders, shown, delivery.json)
+        log = TransitLog(monitored.model.configuration, monitored.waterway)
+        _watch(monitored, ticks, log, shown, delivery.json)
+    transit = log.transit()
     if inputs.replay and not len(transit.columns["t"]):
         raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
-    from narrows.report.transit_report import write_transit_report
-
-    delivery.write(transit.save, report=lambda path: write_transit_report(transit, path))
-    delivery.show(transit.to_dict, lambda: click.echo("\n".join([transit.summary(), *transit.notes])))
+    delivery.give(transit, _said, report=lambda path: write_transit_report(transit, path))
     raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
+
+
+def _said(result: Any) -> None:
+    click.echo("\n".join([result.summary(), *result.notes]))
 
 
 def _monitor_of(
@@ -116,21 +117,19 @@ def _monitor_of(
 ) -> "BridgeMonitor":
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 
-    antenna = numbers("--antenna", inputs.antenna)
+    antenna = numbers("--antenna", inputs.antenna).tolist()
     if len(antenna) != 2:
         raise InputError(f"--antenna {inputs.antenna}: give metres forward and to starboard, as in -70,6")
-    place = float(antenna[0]), float(antenna[1])
     water, live = nw.read_waterway(str(waterway)), bool(inputs.listen)
-    return BridgeMonitor(model_named(model), water, y, place, publisher=publisher, live=live)
+    return BridgeMonitor(model_named(model), water, y, (antenna[0], antenna[1]), publisher=publisher, live=live)
 
 
 def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
-    if inputs.replay:
-        from narrows.warning.inputs.bridge_readings import replay
-
-        return replay(inputs.replay, pace, inputs.mmsi)
+    from narrows.warning.inputs.bridge_readings import replay
     from narrows.warning.inputs.listening import Listening, connection_of
 
+    if inputs.replay:
+        return replay(inputs.replay, pace, inputs.mmsi)
     connections = [*map(connection_of, inputs.listen or ())]
     return stack.enter_context(Listening(connections, inputs.mmsi, inputs.commands_from or ())).ticks()
 
@@ -149,8 +148,7 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
             for tick in replay(path, mmsi=inputs.mmsi):
                 log.add(monitored.update(tick, tick.t))
         transits[str(path)] = log.transit()
-    scores = score_transits(transits)
-    delivery.show(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
+    delivery.give(score_transits(transits), _said)
 
 
 def _demo(pace: float, alerts: AlertOptions, publisher: "AlertPublisher") -> tuple["BridgeMonitor", Iterator["Tick"]]:
@@ -167,28 +165,20 @@ def _demo(pace: float, alerts: AlertOptions, publisher: "AlertPublisher") -> tup
 
 
 def _watch(
-    monitored: "BridgeMonitor", ticks: Iterable["Tick"], senders: Iterable["SignalKSender"],
-    page: "BridgePage | None", json: bool,
-) -> "WatchedTransit":  # fmt: skip
-    from narrows.warning.monitoring.watched_transit import TransitLog
-
+    monitored: "BridgeMonitor", ticks: Iterable["Tick"], log: "TransitLog", page: "BridgePage | None", json: bool
+) -> None:
     with stage("compiling the missing parts"):
         monitored.prepare(USUAL_SPEED)
-    ticks = page.requests.joined(ticks, monitored.desk) if page else ticks
-    log = TransitLog(monitored.model.configuration, monitored.waterway)
     end_by_sigterm()
     with suppress(KeyboardInterrupt):
-        for number, tick in enumerate(ticks):
+        for number, tick in enumerate(page.requests.joined(ticks, monitored.desk) if page else ticks):
             now = time.time()
             status = monitored.update(tick, now)
-            for sender in senders:
-                sender.send(monitored.desk, now)
             if page:
                 page.publish(monitored, status, now)
             log.add(status)
             if not json:
                 _print_status(number, status)
-    return log.transit()
 
 
 def end_by_sigterm() -> None:
@@ -206,24 +196,25 @@ def _print_status(number: int, status: "BridgeStatus") -> None:
         click.echo(f"{number:6d} s  {status.line()}")
 
 
-SIGNAL_K = ("ws://", "wss://")
-
-
-def _outputs(alerts: AlertOptions, stack: ExitStack) -> "tuple[AlertPublisher, list[SignalKSender]]":
+def _outputs(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
     from narrows.warning.alerts.alert import AlertLog
     from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender, sender_to
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
     if log and log.aside:
         click.secho(log.aside, err=True, bold=True)
-    servers = [address for address in alerts.send or () if address.startswith(SIGNAL_K)]
-    sends = [stack.enter_context(sender_to(address)) for address in alerts.send or () if address not in servers]
+    sends, servers = [], []
+    for address in alerts.send or ():
+        if address.startswith(("ws://", "wss://")):
+            servers.append(stack.enter_context(SignalKSender(address)))
+        else:
+            sends.append(stack.enter_context(sender_to(address)))
 
     def send(sentence: str) -> None:
         for send_to in sends:
             send_to(sentence)
 
-    return AlertPublisher(log, send), [stack.enter_context(SignalKSender(address)) for address in servers]
+    return AlertPublisher(log, send, servers)
 
 
 def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":

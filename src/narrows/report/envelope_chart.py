@@ -13,22 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
+from narrows.report.colours import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE, PURPLE
 from narrows.report.printed_tables import console_of, is_verbose, print_notes, print_result, table_of, thinned
-from narrows.report.style import (
-    BLACK,
-    BLUE,
-    DASHES,
-    FONT,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Picture,
-    given_axes,
-    headed,
-    panels,
-    titled,
-)
+from narrows.report.style import FONT, GIVEN, headed, panels, titled
 from narrows.safety.channel_rules import READ, REMEMBERED, OutsideRules
 from narrows.safety.envelope_along import EnvelopeAlong
 from narrows.safety.headline import runs
@@ -41,65 +28,60 @@ UNTESTED = "\\\\\\"
 PAGE = (8.27, 11.69)
 
 
+@rc_context(FONT)
 def envelope_chart(envelope: SafeEnvelope) -> Figure:
-    if given := given_axes():
-        figure, axes = given
+    if GIVEN.get() is not None:
+        figure, ((axes,),) = panels(1, 1, PAGE[1], "")
         keys = _draw_speeds(axes, envelope)
-        _draw_banks(axes, envelope)
-        axes.legend(handles=[*_speed_legend(), *keys], frameon=False, fontsize=7)
+        axes.legend(handles=keys, frameon=False, fontsize=7)
         titled(axes, [envelope.description, envelope.weather, envelope.summary()])
         return figure
-    with rc_context(FONT):
-        figure = Picture(figsize=PAGE, layout="constrained")
-        grid = figure.add_gridspec(3, 1, height_ratios=(4.0, 3.4, 0.7))
-        speeds = figure.add_subplot(grid[0])
-        rudder = figure.add_subplot(grid[1], sharex=speeds)
-        keys = _draw_speeds(speeds, envelope)
-        _draw_rudder(rudder, envelope)
-        for panel in (speeds, rudder):
-            _draw_banks(panel, envelope)
-        foot, said = figure.add_subplot(grid[2]), envelope.summary()
-        others = (note for note in envelope.notes if note.partition(". ")[0] not in said)
-        notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
-        foot.axis("off")
-        foot.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=foot.transAxes)
-        figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=3, fontsize=7.5)
-        headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer, envelope.trust])
+    figure, ((speeds,), (rudder,), (foot,)) = panels(3, 1, PAGE[1], "", PAGE[0], height_ratios=(4.0, 3.4, 0.7))
+    rudder.sharex(speeds)
+    keys = _draw_speeds(speeds, envelope)
+    _draw_rudder(rudder, envelope)
+    others = (note for note in envelope.notes if note.partition(". ")[0] not in envelope.summary())
+    notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
+    foot.axis("off")
+    foot.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=foot.transAxes)
+    figure.legend(handles=keys, loc="outside lower left", frameon=False, ncols=3, fontsize=7.5)
+    headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer, envelope.trust])
     return figure
 
 
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
-    """Draw contours of the shares of cases, none between untested speeds; return further legend keys."""
+    """Draw contours of the shares of cases, none between untested speeds; return legend keys."""
     envelope = _widened(envelope)
-    data = envelope.data.transpose("y", "u", ...)
+    data = envelope.data.transpose("u", "y", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
-    held = data["held"].to_numpy().T
-    by_model = np.where(data["clear"].to_numpy()[:, None], held, 0.0)
+    held, clear = data["held"].to_numpy(), data["clear"].to_numpy()[:, None]
+    by_model = np.where(clear, held, 0.0)
+    # Cells that may be drawn as safe: tested, in a tested section, and clear.
+    counted = data["tested"].to_numpy() & clear & (not envelope.untested)
     if (by_model >= SURE_SHARE).any():  # The part that was tested is filled above it
         areas = axes.contourf(y, u, by_model, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
         areas.set_edgecolor(PURPLE)
         areas.set_linewidth(0.0)
     for name, colour, edge, width in (("known", PALER, BLUE, 0.9), ("held", PALE, BLACK, 1.8)):
-        share = np.where(_counted(envelope), data[name].to_numpy().T, 0.0)
+        share = np.where(counted, data[name].to_numpy(), 0.0)
         if (share >= SURE_SHARE).any():
             axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=[colour])
         _line(axes, y, u, share, SURE_SHARE, "-", width, edge)
     _line(axes, y, u, held, MEDIAN, "--", 1.0)
     for name in ("held_low", "held_high"):
-        _line(axes, y, u, data[name].to_numpy().T, SURE_SHARE, ":", 1.0)
+        _line(axes, y, u, data[name].to_numpy(), SURE_SHARE, ":", 1.0)
     handles = _shade(axes, envelope, y, u)
     axes.set_ylabel("speed through the water [knots]")
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
     handles += draw_widths(axes, envelope.rules)
-    draw_speeds(axes, envelope.rules)
+    for row in envelope.rules.rows():
+        if row["speed_limit"] is not None and axes.get_ylim()[0] <= row["speed_limit"] <= axes.get_ylim()[1]:
+            axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
+            across = axes.get_yaxis_transform()
+            axes.text(1.01, row["speed_limit"], row["rule"], transform=across, va="center", fontsize=7.2, color=BLACK)
     axes.grid(alpha=0.3)
-    return handles
-
-
-def _counted(envelope: SafeEnvelope) -> np.ndarray:
-    """Return the cells that may be drawn as safe, (speeds, offsets): tested, in a tested section, and clear."""
-    data = envelope.data.transpose("y", "u", ...)
-    return np.asarray(data["tested"].to_numpy().T & data["clear"].to_numpy()[:, None] & (not envelope.untested))
+    _draw_banks(axes, envelope)
+    return [*_speed_legend(), *handles]
 
 
 def _line(
@@ -177,27 +159,23 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
         axes.plot(band["y"], low, color=ORANGE, ls=style, lw=1.0, label=f"9 cases of 10 within, {label}")
         axes.plot(band["y"], high, color=ORANGE, ls=style, lw=1.0)
         axes.plot(here["y"], np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
-    for angle, words, colour, style in ((1.0, "hard over", BLACK, "-"), (1 - reserve, "reserve begins", GREY, "--")):
-        for sign in (1, -1):
-            axes.axhline(sign * limit * angle, color=colour, ls=style, lw=1.2)
-        _label(axes, limit * angle, words, colour)
-    for row in envelope.rules.rows():
-        if row["rudder"] is not None:
-            for angle in (row["rudder"], -row["rudder"]):
-                axes.axhline(angle, ls="--", **RULE_STYLE)
-            _label(axes, row["rudder"], f"{row['rule'].partition(',')[0]}, steady")
+    lines: list[tuple[float, str, dict[str, Any]]] = [(limit, "hard over", {"color": BLACK, "lw": 1.2})]
+    lines += [((1 - reserve) * limit, "reserve begins", {"color": GREY, "ls": "--", "lw": 1.2})]
+    rules = (row for row in envelope.rules.rows() if row["rudder"] is not None)
+    lines += [(row["rudder"], f"{row['rule'].partition(',')[0]}, steady", {"ls": "--", **RULE_STYLE}) for row in rules]
+    place: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "zorder": 4}
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+    for angle, words, look in lines:
+        axes.axhline(angle, **look)
+        axes.axhline(-angle, **look)
+        ink = BLACK if words.endswith("steady") else look["color"]
+        axes.annotate(words, (0.03, angle), (0, 2.5), fontsize=7.5, color=ink, bbox=box, **place)
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
-    axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
+    axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     axes.grid(alpha=0.3)
-
-
-def _label(axes: Axes, angle: float, words: str, colour: str = BLACK) -> None:
-    """Write on the left above a line at an angle, clear of what else is drawn there."""
-    place: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points"}
-    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-    axes.annotate(words, (0.03, angle), (0, 2.5), fontsize=7.5, color=colour, bbox=box, zorder=4, **place)
+    _draw_banks(axes, envelope)
 
 
 def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
@@ -258,17 +236,6 @@ def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
         for side in ("port", "starboard") if row["starboard"] is not None else ():
             axes.plot([row[side]] * 2, [slow, fast], ls=styles[row["rule"]], **RULE_STYLE)
     return [Line2D([], [], label=label, ls=styles[rule], **RULE_STYLE) for rule, label in labels.items()]
-
-
-def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
-    low, high = axes.get_ylim()
-    for row in rules.rows():
-        if row["speed_limit"] is not None and low <= row["speed_limit"] <= high:
-            axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
-            axes.text(
-                1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
-                va="center", fontsize=7.2, color=BLACK,
-            )  # fmt: skip
 
 
 def envelope_along_chart(along: EnvelopeAlong) -> Figure:

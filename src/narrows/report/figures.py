@@ -11,33 +11,18 @@ from matplotlib.figure import Figure
 
 from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.files import save_figure
-from narrows.captive.tests import CaptiveTests
 from narrows.control import LinearSystem
 from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
-from narrows.identification import Comparison, Explanation, Fit
+from narrows.identification import Fit
 from narrows.identification.plan import Plan
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
 from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
-from narrows.report.envelope_chart import envelope_along_chart, envelope_chart
-from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
-from narrows.report.log_report import log_figure
-from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
-from narrows.report.pilot_page import legs_figure, steady_figure
-from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
-from narrows.report.transit_report import transit_figure
-from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
-from narrows.safety.envelope_along import EnvelopeAlong
-from narrows.safety.result import SafeEnvelope
+from narrows.report import envelope_chart, fit_figures, learning_pages, transit_report, voyage_figures
+from narrows.report.colours import BLACK, BLUE, GREY, ORANGE
+from narrows.report.style import FORCE_LABELS, drawing_on, notes_below, panels
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
-from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
-from narrows.simulation.voyage import Voyage
-from narrows.studies.mikkelsen2025 import Reproduction
-from narrows.warning.monitoring.watched_transit import WatchedTransit
-from narrows.waterway.waterway import Waterway
 
 
 def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
@@ -48,7 +33,8 @@ def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes, or a path")
     with drawing_on(axes):
-        return next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), table_figure)(result)
+        kinds = (kind.__name__ for kind in type(result).__mro__)
+        return next((FIGURES[kind] for kind in kinds if kind in FIGURES), table_figure)(result)
 
 
 def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
@@ -57,7 +43,7 @@ def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = Non
         check_choice("force", force, fitted)
         fitted = [force]
     with drawing_on(axes):
-        return force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
+        return fit_figures.force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
 
 
 def track_figure(track: EstimatedTrack) -> Figure:
@@ -70,9 +56,14 @@ def track_figure(track: EstimatedTrack) -> Figure:
         axis.fill_between(track.t, mean - wide, mean + wide, color=BLUE, alpha=0.25, linewidth=0, label="95 % band")
         axis.plot(track.t, mean, color=BLUE, label="estimate")
         axis.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
-        _mark(axis, track)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
+        for flags, colour, hatch, what in ((track.refused, ORANGE, "", "refused"),
+                                           (track.suspected, GREY, "///", "suspected")):  # fmt: skip
+            look = {"color": colour, "hatch": hatch, "alpha": 0.25, "linewidth": 0, "step": "mid"}
+            for sensor, flag in flags.items():
+                if flag.any():
+                    height = {"where": flag.tolist(), "transform": axis.get_xaxis_transform()}
+                    axis.fill_between(track.t, 0, 1, label=f"{sensor} {what}", **height, **look)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), frameon=False, ncols=4, loc="outside upper left")
     axes[-1, 0].set_xlabel("time [s]")
     notes_below(figure, track.notes)
     return figure
@@ -89,11 +80,11 @@ def model_figure(model: Model) -> Figure:
         place = np.linspace(-DRIFT, DRIFT, POINTS)
         motion = Motion(u=speed * np.cos(np.radians(place)), v=-speed * np.sin(np.radians(place)))
         label = "drift angle, bow to starboard of the way [deg]"
-    forces, banks = model.forces(motion), model.bank_forces(motion)
+    parts = [("all terms", model.forces(motion), BLUE, "-")]
+    parts += [("bank's part", model.bank_forces(motion), ORANGE, "--")] * model.has_bank
     for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
-        panel.plot(place, np.broadcast_to(forces[force], place.shape), color=BLUE, label="all terms")
-        if model.has_bank:
-            panel.plot(place, np.broadcast_to(banks[force], place.shape), "--", color=ORANGE, label="bank's part")
+        for words, forces, colour, dash in parts:
+            panel.plot(place, np.broadcast_to(forces[force], place.shape), dash, color=colour, label=words)
         panel.set_ylabel(FORCE_LABELS[force])
     axes[0, 0].set_title(f"{model.ship.in_words}; {speed:.3g} m/s", loc="left")
     axes[0, 0].legend(frameon=False)
@@ -102,11 +93,12 @@ def model_figure(model: Model) -> Figure:
     return figure
 
 
-def _eigenvalues(poles: np.ndarray) -> Figure:
-    figure, axes = panels(1, 1, 3.2)
-    axes[0, 0].plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
-    axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
-    axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
+def eigenvalues_figure(result: Jacobian | LinearSystem) -> Figure:
+    poles = result.poles() if isinstance(result, Jacobian) else result.eigenvalues()
+    figure, ((panel,),) = panels(1, 1, 3.2)
+    panel.plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
+    panel.axvline(0, color=BLACK, linewidth=0.7)
+    panel.set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
     return figure
 
 
@@ -149,46 +141,33 @@ MOST_BARS, MOST_COLUMNS = 60, 3
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
 SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "gyro_bias")
 NORMAL_95 = 1.959964
-
-
-def _mark(axis: Axes, track: EstimatedTrack) -> None:
-    looks = ((track.refused, ORANGE, "", "refused"), (track.suspected, GREY, "///", "suspected"))
-    for flags, colour, hatch, what in looks:
-        for name, flag in flags.items():
-            if flag.any():
-                axis.fill_between(
-                    track.t, 0, 1, where=flag.tolist(), transform=axis.get_xaxis_transform(), color=colour, alpha=0.25,
-                    hatch=hatch, linewidth=0, step="mid", label=f"{name} {what}",
-                )  # fmt: skip
-
-
 REACH, DRIFT, POINTS = 0.9, 20.0, 181
 # Froude number of the figure's speed, if the data give none.
 SPEED_OF_LENGTH = 0.1
 
 
-# The figure of each kind of result; others draw their table.
-FIGURES: dict[type, Callable[[Any], Figure]] = {
-    Fit: intervals_figure,
-    Comparison: lambda result: comparison_figure(result.rows(), result.forces),
-    Explanation: lambda result: comparison_figure(result.comparison.rows(), result.comparison.forces),
-    CaptiveTests: motions_figure,
-    Plan: precision_figure,
-    Model: model_figure,
-    Reproduction: lambda result: paths_figure(list(result.voyages.values())),
-    Voyage: voyage_figure,
-    Waterway: waterway_figure,
-    Trials: manoeuvres_figure,
-    Turning: turning_figure,
-    ZigzagTest: zigzag_figure,
-    Jacobian: lambda result: _eigenvalues(result.poles()),
-    LinearSystem: lambda result: _eigenvalues(result.eigenvalues()),
-    SafeEnvelope: envelope_chart,
-    EnvelopeAlong: envelope_along_chart,
-    EstimatedTrack: track_figure,
-    ShipLog: log_figure,
-    InformationForecast: precision_figure,
-    SteadyPlan: legs_figure,
-    SteadyFit: steady_figure,
-    WatchedTransit: transit_figure,
+# The figure of each class of results; others draw their table.
+FIGURES: dict[str, Callable[[Any], Figure]] = {
+    "Fit": fit_figures.intervals_figure,
+    "Comparison": fit_figures.comparison_figure,
+    "Explanation": fit_figures.comparison_figure,
+    "CaptiveTests": fit_figures.motions_figure,
+    "Plan": precision_figure,
+    "Model": model_figure,
+    "Reproduction": voyage_figures.paths_figure,
+    "Voyage": voyage_figures.voyage_figure,
+    "Waterway": voyage_figures.waterway_figure,
+    "Trials": voyage_figures.manoeuvres_figure,
+    "Turning": voyage_figures.turning_figure,
+    "ZigzagTest": voyage_figures.zigzag_figure,
+    "Jacobian": eigenvalues_figure,
+    "LinearSystem": eigenvalues_figure,
+    "SafeEnvelope": envelope_chart.envelope_chart,
+    "EnvelopeAlong": envelope_chart.envelope_along_chart,
+    "EstimatedTrack": track_figure,
+    "ShipLog": learning_pages.log_figure,
+    "InformationForecast": precision_figure,
+    "SteadyPlan": learning_pages.legs_figure,
+    "SteadyFit": learning_pages.steady_figure,
+    "WatchedTransit": transit_report.transit_figure,
 }

@@ -1,60 +1,50 @@
-"""Figures of a fit: measured and estimated forces, coefficients with their intervals, Shapley shares."""
+"""Figures of a fit: measured and estimated forces, coefficients with their intervals, correlations."""
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Fit
-from narrows.identification.shapley import KINDS
+from narrows.identification import Comparison, Explanation, Fit
 from narrows.identification.verdict import IDENTIFIED, Diagnosis
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
-from narrows.report.style import (
-    BLACK,
-    BLUE,
-    DASHES,
-    FORCE_LABELS,
-    GREEN,
-    GREY,
-    HATCHES,
-    ORANGE,
-    panels,
-)
+from narrows.quantities.names import FORCES
+from narrows.report.colours import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE
+from narrows.report.style import FORCE_LABELS, panels
 from narrows.ship.particulars import Configuration
 
-
-def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarray:
-    values = {**tests.configuration.values(), **tests.columns}
-    parts = [fit.coefficients[name] * fit.terms[name].column(values) for name in names]
-    return np.asarray(sum(parts, np.zeros(tests.rows)))
+ROWS = "row of the table [1]; dashed: test boundaries"
 
 
 def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     """Draw forces measured and estimated, with the bank's part (the paper's fig. result)."""
     figure, axes = panels(3, 1, 6.2, "", sharex=True)
+    values = {**tests.configuration.values(), **tests.columns}
     for panel, (force, label) in zip(axes[:, 0], FORCE_LABELS.items(), strict=True):
         terms = fit.terms.forces[force]
-        names = tuple(term.name for term in terms)
-        bank = tuple(term.name for term in terms if term.from_bank)
+        parts = {term: fit.coefficients[term.name] * term.column(values) for term in terms}
+        banks = [part for term, part in parts.items() if term.from_bank]
+        none = np.zeros(tests.rows)
         panel.plot(tests.columns[force], color=GREY, linewidth=1.6, alpha=0.7, label="measured")
-        panel.plot(estimate(fit, tests, names), color=BLUE, linewidth=0.8, label="estimated")
-        if bank:
-            panel.plot(estimate(fit, tests, bank), color=ORANGE, linestyle="--", linewidth=0.9, label="bank's part")
+        panel.plot(sum(parts.values(), none), color=BLUE, linewidth=0.8, label="estimated")
+        if banks:
+            panel.plot(sum(banks, none), color=ORANGE, linestyle="--", linewidth=0.9, label="bank's part")
         boundaries(panel, tests)
         panel.set_ylabel(label)
     axes[1, 0].legend(frameon=False, ncols=3, loc="upper right")
-    axes[-1, 0].set_xlabel("row of the table [1]; dashed: test boundaries")
+    axes[-1, 0].set_xlabel(ROWS)
     return figure
 
 
 def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
     estimates, residuals = fit.predict(), fit.residuals
-    tests = residuals.index.get_level_values("test")
     figure, axes = panels(len(forces), 1, 0.5 + 1.9 * len(forces))
     for panel, force in zip(axes[:, 0], forces, strict=True):
-        for test in tests.unique():
-            panel.plot(estimates[force][tests == test], residuals[force][tests == test], ".", markersize=2, alpha=0.5)
+        for test, own in residuals[force].groupby(level="test", sort=False):
+            panel.plot(estimates[force].xs(test, level="test"), own, ".", markersize=2, alpha=0.5)
         panel.axhline(0.0, color=BLACK, linewidth=0.7)
         name, _, unit = FORCE_LABELS[force].rpartition(" [")
         panel.set(xlabel=f"estimated {name} [{unit}", ylabel=f"measured less\nestimated {force} [{unit}")
@@ -65,18 +55,15 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     values = {**tests.configuration.values(), **tests.columns}
     without = fit.problem.fits(fit.motions.without)
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
-    rows = np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))
+    rows = without[np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))]
     forces = [force for force in ("Y", "N") if fit.terms.forces[force]]
     figure, axes = panels(1, len(forces), 3.2, "")
     for panel, force in zip(axes[0], forces, strict=True):
-        names = [term.name for term in fit.terms.forces[force]]
-        columns = np.stack([np.broadcast_to(fit.terms[name].column(values), tests.rows) for name in names], axis=1)
-        predicted = (columns * without[rows][:, [fit.terms.names.index(name) for name in names]]).sum(axis=1)
-        measured = tests.columns[force]
+        terms = fit.terms.forces[force]
+        predicted = sum(term.column(values) * rows[:, fit.terms.names.index(term.name)] for term in terms)
+        measured, unit = tests.columns[force], FORCES[force].unit
         panel.plot(predicted, measured, ".", color=BLUE, markersize=2, alpha=0.6, rasterized=True)
-        ends = [float(measured.min()), float(measured.max())]
-        panel.plot(ends, ends, color=BLACK, linewidth=0.7)
-        unit = "N m" if force == "N" else "N"
+        panel.plot(*[[measured.min(), measured.max()]] * 2, color=BLACK, linewidth=0.7)
         panel.set(xlabel=f"{force} predicted without the motion [{unit}]", ylabel=f"{force} measured [{unit}]")
         panel.set_title(f"R2 {fit.left_out[force].r2:.3f}", fontsize=9)
     return figure
@@ -85,39 +72,17 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
 def intervals_figure(fit: Fit) -> Figure:
     """Draw each coefficient's 95 % interval relative to its value; with an open marker if poorly identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
-    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), "x")
-    panel = axes[0, 0]
+    figure, ((panel,),) = panels(1, 1, 0.9 + 0.22 * len(names), "x")
     for i, name in enumerate(names):
-        size, sure = abs(fit.coefficients[name]), fit.verdicts[name].status == IDENTIFIED
-        low, high = (end / size for end in fit.intervals[name])
-        panel.plot([low, high], [i, i], color=BLUE if sure else ORANGE, linestyle="-" if sure else "--")
-        face, edge = (BLUE, BLUE) if sure else ("white", ORANGE)
-        panel.plot(fit.coefficients[name] / size, i, "o", markerfacecolor=face, markeredgecolor=edge)
+        value, sure = fit.coefficients[name], fit.verdicts[name].status == IDENTIFIED
+        colour = BLUE if sure else ORANGE
+        ends = np.array(fit.intervals[name]) / abs(value)
+        panel.plot(ends, [i, i], color=colour, linestyle="-" if sure else "--")
+        panel.plot(np.sign(value), i, "o", markerfacecolor=colour if sure else "white", markeredgecolor=colour)
     panel.axvline(0, color=BLACK, linewidth=0.7)
     panel.set_yticks(range(len(names)), names)
     panel.set(xlim=(-3.5, 3.5), ylim=(max(len(names), 1) - 0.5, -0.5), ylabel="coefficient [-]")
     panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: not")
-    return figure
-
-
-def shapley_figure(fit: Fit) -> Figure:
-    """Draw the Shapley shares of each force's terms, of all three kinds."""
-    shares = {kind: fit.shapley(kind) for kind in KINDS}
-    forces = list(shares[KINDS[0]])
-    sizes = [len(shares["mse"][f]) for f in forces]
-    figure, axes = panels(1, len(forces), 2.9, "y", sharey=True, width_ratios=sizes)
-    for panel, force in zip(axes[0], forces, strict=True):
-        names = tuple(shares["mse"][force])
-        for i, (kind, colour) in enumerate(zip(KINDS, (BLUE, ORANGE, GREEN), strict=True)):
-            height = np.arange(len(names)) + 0.27 * (i - 1)
-            bars = {"width": 0.26, "color": colour, "hatch": HATCHES[i], "edgecolor": "white", "label": kind}
-            panel.bar(height, list(shares[kind][force].values()), **bars)
-        panel.axhline(0, color=BLACK, linewidth=0.7)
-        panel.set_xticks(range(len(names)), names, rotation=90)
-        panel.set_title(force, y=1.0)
-        panel.set_xlabel("coefficient [-]")
-    axes[0, 0].set_ylabel("Shapley share [1]")
-    axes[0, -1].legend(frameon=False)
     return figure
 
 
@@ -127,12 +92,10 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     # covered [m]
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 801) * 0.97 * (width - beam) / 2
-    figure, axes = panels(1, 1, 3.0)
-    panel = axes[0, 0]
+    figure, ((panel,),) = panels(1, 1, 3.0)
     if covered:
-        panel.axvspan(
-            -covered[1], covered[1], color=GREEN, alpha=0.15, label=f"tested range, |y| up to {covered[1]:.3g} m"
-        )
+        known = f"tested range, |y| up to {covered[1]:.3g} m"
+        panel.axvspan(-covered[1], covered[1], color=GREEN, alpha=0.15, label=known)
     panel.plot(y, delta(y, 1.0, width, beam), color=BLUE, label="delta")
     panel.plot(y, taper(y, width) * delta(y, 1.0, width, beam), color=ORANGE, linestyle="--", label="with taper")
     panel.set(ylim=(-4.5, 4.5), xlabel="offset y [m]", ylabel="delta [1]")
@@ -143,11 +106,9 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
 def delta_surface_figure(configuration: Configuration) -> Figure:
     """Draw delta over offset and heading (the paper's fig. delta_surf), as contours."""
     width, beam = configuration.canal.width, configuration.ship.beam
-    y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
-    psi = np.linspace(-89, 89, 241)
+    y, psi = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2, np.linspace(-89, 89, 241)
     values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)
-    figure, axes = panels(1, 1, 3.2, "")
-    panel = axes[0, 0]
+    figure, ((panel,),) = panels(1, 1, 3.2, "")
     levels = [-4, -2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2, 4]
     filled = panel.contourf(y, psi, values, levels=levels, cmap="PuOr", extend="both", norm="symlog")
     lines = panel.contour(y, psi, values, levels=levels, colors="black", linewidths=0.5)
@@ -166,49 +127,45 @@ def correlation_figure(fit: Fit) -> Figure:
     for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
         image = _matrix(panel, diagnosis)
         condition = f"{diagnosis.condition:.0f}" if np.isfinite(diagnosis.condition) else "∞"
-        panel.set_title(
-            f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)},\ncondition {condition}", fontsize=8, y=1.0
-        )
+        rank = f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)}"
+        panel.set_title(f"{rank},\ncondition {condition}", fontsize=8, y=1.0)
     if image is not None:
         figure.colorbar(image, ax=axes[0].tolist(), label="correlation [1]", shrink=0.7, aspect=40)
     return figure
 
 
-def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
-    values = diagnosis.correlation
+def _matrix(panel: Axes, diagnosis: Diagnosis) -> AxesImage:
+    values, names = diagnosis.correlation, diagnosis.names
     panel.set_facecolor("#DDDDDD")
-    image = panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
-    for i, row in enumerate(values):
-        for j, value in enumerate(row):
-            text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
-            ink = "white" if abs(value) > 0.7 else "black"
-            panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=ink)
-    panel.set_xticks(range(len(values)), diagnosis.names, rotation=90, fontsize=7)
-    panel.set_yticks(range(len(values)), diagnosis.names, fontsize=7)
-    return image
+    for (i, j), value in np.ndenumerate(values):
+        text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
+        ink = "white" if abs(value) > 0.7 else "black"
+        panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=ink)
+    panel.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
+    panel.set_yticks(range(len(names)), names, fontsize=7)
+    return panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
 
 
-def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
+def comparison_figure(result: Comparison | Explanation) -> Figure:
     """Draw the error of each table of terms on left-out tests, and of the fit."""
-    names = list(dict.fromkeys(row["table"] for row in rows))
-    figure, axes = panels(1, len(forces), 0.9 + 0.22 * len(names), sharey=True)
-    for panel, force in zip(axes[0], forces, strict=True):
-        by_table = {row["table"]: row for row in rows if row["force"] == force}
-        for kind, marker, colour, label in (
-            ("rmse", "|", GREY, "of the fit"),
-            ("rmse_left_out", "o", BLUE, "on left-out tests"),
-            ("rmse_other_speeds", "x", ORANGE, "on left-out speeds"),
-        ):
-            known = [
-                (by_table[n][kind], i) for i, n in enumerate(names) if n in by_table and np.isfinite(by_table[n][kind])
-            ]
+    compared = result.comparison if isinstance(result, Explanation) else result
+    rows, names = compared.rows(), [*compared.fits]
+    figure, axes = panels(1, len(compared.forces), 0.9 + 0.22 * len(names), sharey=True)
+    looks = (
+        ("rmse", "|", GREY, "of the fit"), ("rmse_left_out", "o", BLUE, "on left-out tests"),
+        ("rmse_other_speeds", "x", ORANGE, "on left-out speeds"),
+    )  # fmt: skip
+    for panel, force in zip(axes[0], compared.forces, strict=True):
+        own = [(row, names.index(row["table"])) for row in rows if row["force"] == force]
+        for kind, marker, colour, label in looks:
+            known = [(row[kind], place) for row, place in own if np.isfinite(row[kind])]
             if known:
                 panel.plot(*zip(*known, strict=True), marker, color=colour, label=label, markersize=5)
         panel.set_xscale("log")
         panel.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         panel.xaxis.set_major_formatter("{x:g}")
         panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
+        panel.set(xlabel=f"RMSE of {force} [{FORCES[force].unit}]")
         panel.set_yticks(range(len(names)), names)
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     handles, labels = axes[0, 0].get_legend_handles_labels()
@@ -225,27 +182,27 @@ def motions_figure(tests: CaptiveTests) -> Figure:
     """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces)."""
     figure, axes = panels(5, 1, 7.6, sharex=True)
     timed = "t" in tests.columns and len(tests.names) <= TIME_SERIES_MAX_TESTS
-    shown = [("y", "offset y [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi)]
-    shown += [(force, label, 1.0) for force, label in FORCE_LABELS.items()]
-    for panel, (name, label, scale) in zip(axes[:, 0], shown, strict=True):
+    for panel, (name, label) in zip(
+        axes[:, 0], ({"y": "offset y [m]", "psi": "heading [deg]"} | FORCE_LABELS).items(), strict=True
+    ):
         panel.set_ylabel(label)
-        column = tests.columns.get(name)
-        if column is None:
+        if name not in tests.columns:
             panel.text(0.5, 0.5, f"no column {name}", ha="center", transform=panel.transAxes)
-        elif not timed:
-            panel.plot(column * scale, color=BLUE, linewidth=0.8)
+            continue
+        column = np.degrees(tests.columns[name]) if name == "psi" else tests.columns[name]
+        if not timed:
+            panel.plot(column, color=BLUE, linewidth=0.8)
             boundaries(panel, tests)
-        else:
-            for i, (test, start, stop) in enumerate(zip(tests.names, tests.starts, tests.starts[1:], strict=False)):
-                rows = slice(int(start), int(stop))
-                style = {"color": (BLUE, ORANGE, GREY)[i % 3], "linestyle": DASHES[i % 4], "linewidth": 0.9}
-                panel.plot(tests.columns["t"][rows], column[rows] * scale, label=test, **style)
+            continue
+        for i, (test, start, stop) in enumerate(zip(tests.names, tests.starts, tests.starts[1:], strict=False)):
+            rows = slice(int(start), int(stop))
+            style = {"color": (BLUE, ORANGE, GREY)[i % 3], "linestyle": DASHES[i % 4], "linewidth": 0.9}
+            panel.plot(tests.columns["t"][rows], column[rows], label=test, **style)
     if timed:
         axes[0, 0].legend(ncols=len(tests.names), frameon=False, loc="upper right")
-    axes[-1, 0].set_xlabel("time [s]" if timed else "row of the table [1]; dashed: test boundaries")
+    axes[-1, 0].set_xlabel("time [s]" if timed else ROWS)
     return figure
 
 
-def boundaries(panel, tests: CaptiveTests) -> None:  # type: ignore[no-untyped-def]
-    across = {"transform": panel.get_xaxis_transform(), "color": GREY, "linestyles": "--", "linewidth": 0.4}
-    panel.vlines(tests.starts[1:-1], 0, 1, **across)
+def boundaries(panel: Axes, tests: CaptiveTests) -> None:
+    panel.vlines(tests.starts[1:-1], 0, 1, GREY, "--", transform=panel.get_xaxis_transform(), linewidth=0.4)

@@ -1,23 +1,37 @@
-"""One self-contained page for the fits of a table, with all figures inside."""
+"""Self-contained pages of fits, of a model on a table of tests (in the terminal too), and of the reproduction."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.figure import Figure
+
 from narrows.base.files import write_whole
 from narrows.base.results import with_error
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Fit
+from narrows.identification import Explanation, Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
 from narrows.model.term import Term
-from narrows.quantities.names import name_of
+from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
-from narrows.report.printed_tables import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
+from narrows.report.printed_tables import (
+    best_known_first,
+    coefficient_row,
+    console_of,
+    heading,
+    kkt_sentence,
+    print_fit,
+    share_rows,
+    table_of,
+)
 from narrows.report.style import svg
+from narrows.report.voyage_figures import distances_figure, paths_figure
+from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
 
 def write_report(
@@ -39,7 +53,7 @@ def write_report(
         Main results by condition, if computed already.
     """
     answers = answers or {label: summarise_bank(fit) for label, fit in fits.items()}
-    sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]
+    sections = [_section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]
     write_page(path, "fits.html.j2", title=title, sections=sections, comparison=_comparison(fits))
 
 
@@ -51,77 +65,56 @@ def write_page(path: str | Path, template: str, **values: Any) -> None:
     write_whole(path, environment.get_template(template).render(**values))
 
 
-def figure(picture: Any, caption: str) -> dict[str, str]:
+def figure(picture: Figure, caption: str) -> dict[str, str]:
     return {"svg": svg(picture), "caption": caption}
 
 
-def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
+def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
+    (first, pictures), bounded = _pictures(fit), [term.name for term in fit.terms.terms if term.bound[0] == 0]
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
         "answer": (*answer.warnings, *answer.sentences) if answer else (),
         "details": answer.details if answer else (),
-        "source": fit.tests.source,
+        "fit": fit,
         "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},
-        "setting": {"width": fit.tests.configuration.canal.width, "depth": fit.tests.configuration.canal.depth,
-                    "density": fit.tests.configuration.water.density},
         "envelope": [
             f"{measure.words}: {measure.describe(*pair)}"
             for name, measure in MEASURES.items() if (pair := getattr(fit.data_range, name)) is not None
         ],
-        "equations": equations(fit),
-        "constraints": constraints(fit),
+        "equations": [f"{force} = " + " + ".join(map(_term_text, terms))
+                      for force, terms in fit.terms.forces.items() if terms],
+        "constraints": "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded)
+                                 + [" = ".join(tie) for tie in fit.terms.ties]) or "none",
         "coefficients": [coefficient_row(fit, name) for name in best_known_first(fit)],
-        "first": _first_picture(fit),
-        "predictiveness": [one.sentence for one in fit.predictiveness],
+        "first": first,
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
-        "scores": [(force, score, fit.left_out[force]) for force, score in fit.scores.items()],
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
                       for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": share_rows({kind: fit.shapley(kind) for kind in KINDS}),
         "notes": [*fit.notes, kkt_sentence(fit)],
-        "figures": _figures(fit),
+        "figures": pictures,
     }  # fmt: skip
 
 
-def _first_picture(fit: Fit) -> list[dict[str, str]]:
-    """Measured against predicted forces of left-out motions."""
-    if not isinstance(fit.tests, CaptiveTests) or len(fit.motions) < 2:
-        return []
-    caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
-    return [figure(draw.left_out_figure(fit, fit.tests), caption)]
-
-
-def equations(fit: Fit) -> list[str]:
-    return [
-        f"{force} = " + " + ".join(f"{term.name} {_regressor_text(term)}" for term in terms)
-        for force, terms in fit.terms.forces.items()
-        if terms
-    ]
-
-
-def _regressor_text(term: Term) -> str:
-    name = name_of(term.regressor)
-    return name if name.endswith(")") else f"{name}({', '.join(term.inputs)})"
-
-
-def constraints(fit: Fit) -> str:
-    bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
-    ties = [" = ".join(tie) for tie in fit.terms.ties]
-    return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"
-
-
-def _figures(fit: Fit) -> list[dict[str, str]]:
-    tests = fit.tests
+def _pictures(fit: Fit) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
+    """Return the first picture of a page, if there are rows and other motions, and the others."""
     pictures = [
         figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
-        figure(draw.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-    ]  # fmt: skip
-    if isinstance(tests, CaptiveTests):
-        measured = figure(draw.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
-        pictures = [measured, *pictures, figure(draw.motions_figure(tests), "The tests: motions and forces.")]
-    return pictures
+    ]
+    if not isinstance(fit.tests, CaptiveTests):
+        return [], pictures
+    measured = figure(draw.forces_figure(fit, fit.tests), "Forces measured and estimated, and the bank's part.")
+    motions = figure(draw.motions_figure(fit.tests), "The tests: motions and forces.")
+    caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
+    first = [figure(draw.left_out_figure(fit, fit.tests), caption)] if len(fit.motions) > 1 else []
+    return first, [measured, *pictures, motions]
+
+
+def _term_text(term: Term) -> str:
+    name = name_of(term.regressor)
+    return f"{term.name} {name}" if name.endswith(")") else f"{term.name} {name}({', '.join(term.inputs)})"
 
 
 def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
@@ -129,11 +122,89 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
     fits = {label: fit for label, fit in fits.items() if fit.tests.configuration.ship == ship}
     if len(fits) < 2:
         return None
-    names = next(iter(fits.values())).terms.names
     rows = [
         (name, [with_error(f.coefficients[name], f.std[name]) if f.verdicts[name].determined else "-"
                 for f in fits.values()],
          [f.verdicts[name].status.replace(" ", "-") for f in fits.values()])
-        for name in names
+        for name in next(iter(fits.values())).terms.names
     ]  # fmt: skip
     return {"labels": [heading(fit, label).partition(", ")[2] for label, fit in fits.items()], "rows": rows}
+
+
+def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
+    compared, caption = explanation.comparison, "Errors of tables of terms, of the fit and on left-out tests."
+    write_page(
+        path, "explanation.html.j2", title=title, explanation=explanation, coefficients=_apart(explanation),
+        units={force: quantity.unit for force, quantity in FORCES.items()},
+        comparison=figure(draw.comparison_figure(compared), caption),
+        rows=[row | {"said": "; ".join(map(_said, row["bank"], row["bank"].values()))} for row in compared.rows()],
+        s=_section("", explanation.fit, 0) | {"heading": f"A fit to these tests: {heading(explanation.fit, '')}"},
+    )  # fmt: skip
+
+
+def _apart(explanation: Explanation) -> list[dict[str, Any]]:
+    """Return the rows of the model's coefficients and those of these tests."""
+    own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
+           for name in explanation.fit.terms.names}  # fmt: skip
+    return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]
+
+
+def _said(name: str, coefficient: dict[str, Any]) -> str:
+    low, high = coefficient["ci95"]
+    known = f" {low:.3g} to {high:.3g}" if np.isfinite([low, high]).all() else ""
+    return f"{name}{known} ({coefficient['verdict']})"
+
+
+APART = {
+    "": "{name}", "model": "{model}", "these tests": "{value}", "95 % interval": "{interval}",
+    "apart [std. errors]": "{apart:+.1f}", "unit": "{unit}",
+}  # fmt: skip
+COMPARED = {
+    "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
+    "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
+}  # fmt: skip
+
+
+def print_explanation(explanation: Explanation, label: str = "") -> None:
+    console, title = console_of(), "Tables of terms by their error (RMSE) on left-out tests"
+    for sentence in (*explanation.summary().splitlines(), *explanation.notes):
+        console.print(f"- {sentence}")
+    rows = _apart(explanation)
+    console.print(table_of(APART, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
+    print_fit(explanation.fit, label)
+    console.print(table_of(COMPARED, explanation.comparison.rows(), left=("terms", "force"), title=title))
+    for sentence in explanation.comparison.summary().splitlines():
+        console.print(f"- {sentence}")
+
+
+def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
+    fit, tests, configuration = reproduced.fit, reproduced.fit.tests, reproduced.truth.configuration
+    assert isinstance(tests, CaptiveTests)
+    made = {
+        "tests": (draw.motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),
+        "delta": (draw.delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
+        "surface": (draw.delta_surface_figure(configuration), "delta over offset and heading."),
+        "correlation": (draw.correlation_figure(fit), "Correlations between the columns, and rank."),
+        "forces": (draw.forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),
+        "paths": (paths_figure(reproduced), "Voyages from the starts of the table, hull corners."),
+        "distance": (distances_figure(reproduced), "Distance along the canal to the grounding."),
+    }
+    write_page(
+        path, "reproduction.html.j2", title="The paper, reproduced",
+        figures={name: figure(*drawn) for name, drawn in made.items()},
+        coefficients=[_coefficient(fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],
+        shapley=[(name, PRINTED_SHARES[name], ours.values()) for name, ours in reproduced.shares.items()],
+        kinds=KINDS, switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
+        source=reproduced.truth.source.text, clusters=fit.motions.sentence, verdict=reproduced.agreement,
+        voyages={y: voyage.outcome.sentence for y, voyage in reproduced.voyages.items()},
+        eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in ours] for name, ours in reproduced.modes.items()},
+        stiffness=reproduced.stiffness,
+    )  # fmt: skip
+
+
+def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
+    low, high = fit.intervals[name]
+    why = "" if low <= printed <= high else "outside the 95 % interval, as one in twenty is"
+    if not fit.verdicts[name].determined:
+        why = "not identifiable from these tests; the paper's number is its solver's choice"
+    return coefficient_row(fit, name) | {"printed": f"{printed:g}", "why": why}

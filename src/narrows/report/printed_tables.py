@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
     from narrows.identification.plan import Plan
     from narrows.model.froude import Scaled
     from narrows.model.model import Model
+    from narrows.simulation.manoeuvring_trials import Trials
     from narrows.waterway import Waterway
 
 Row = TypeVar("Row")
@@ -124,36 +125,27 @@ def print_scaled(scaled: "Scaled") -> None:
     print_result(scaled)
 
 
-def estimate_summary(model: "Model") -> dict[str, Any]:
-    table = model.to_dataframe()
-    return {
-        "coefficients": table[["value", "std", "unit"]].to_dict("index"),
-        "summary": model.summary(),
-        "notes": list(model.notes),
-    }
-
-
 def print_estimate(model: "Model") -> None:
-    console = console_of()
-    for note in model.notes:
+    console, depth = console_of(), model.configuration.canal.depth
+    deep = ("No depth is given: the estimate is for deep water; add --depth for a canal.",) if depth is None else ()
+    for note in (*model.notes, *deep):
         console.print(note, soft_wrap=True)
-    if model.configuration.canal.depth is None:
-        console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
-    _print_coefficients(model, model.to_dataframe()[["value", "std", "unit"]])
+    _print_coefficients(model)
 
 
 def print_model(model: "Model") -> None:
     print_result(model)
-    _print_coefficients(model, model.to_dataframe()[["value", "std", "unit"]])
+    _print_coefficients(model)
 
 
 # Longest table of coefficients that is printed without --verbose.
 MOST_TERMS = 20
 
 
-def _print_coefficients(model: "Model", frame: "pd.DataFrame") -> None:
+def _print_coefficients(model: "Model", frame: "pd.DataFrame | None" = None) -> None:
     """Print a table of coefficients: all, or of a long table those of the banks."""
     console, banks = console_of(), [term.name for term in model.terms.terms if term.from_bank]
+    frame = model.to_dataframe()[["value", "std", "unit"]] if frame is None else frame
     shown = frame.loc[banks] if banks and len(frame) > MOST_TERMS and not is_verbose() else frame
     console.print(frame_table(shown.reset_index(names="")))
     if rest := len(frame) - len(shown):
@@ -173,16 +165,33 @@ def print_ships(table: "pd.DataFrame") -> None:
     console.print("Each name replaces a model file; --json gives the source of each.")
 
 
-NO_DEPTH = "No depth is given: voyages use that of the model; add --depth 16."
-STATIONS, STATIONS_SHOWN = 2001, 11  # Cross-sections that are searched for extremes, and that are printed
+CIRCLE_COLUMNS = {
+    "rudder [deg]": "{order}", "advance/L": "{advance_over_length:.2f}", "transfer/L": "{transfer_over_length:.2f}",
+    "tactical diameter/L": "{tactical_diameter_over_length:.2f}", "speed/approach": "{speed_over_approach:.2f}",
+}  # fmt: skip
+ZIGZAG_COLUMNS = {"zigzag [deg]": "{order}", "overshoots [deg]": "{overshoots_deg:.1f}"}
+
+
+def print_manoeuvres(trials: "Trials") -> None:
+    console, results = console_of(), trials.to_dict()
+    console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
+    for columns, measured in ((CIRCLE_COLUMNS, results["turning"]), (ZIGZAG_COLUMNS, results["zigzags"])):
+        console.print(table_of(columns, [{"order": order, **measures} for order, measures in measured.items()]))
+    print_notes(console, trials.notes)
+
+
+# Cross-sections that are searched for extremes, and those that are printed.
+SEARCHED, PRINTED = 2001, 11
 # Share of the centreline below which a missing bank is not mentioned.
 NEGLIGIBLE = 0.002
+# Columns of the stations along a waterway, with their units.
+STATION_UNITS = {"at": "m", "heading": "deg", "starboard": "m", "port": "m", "width": "m", "depth": "m"}
 
 
 def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
-    length = waterway.line.length
-    s = np.linspace(0, length, STATIONS)
+    length, words = waterway.line.length, waterway.summary()
+    s = np.linspace(0, length, SEARCHED)
     here = waterway.keel_section(s, draft)
     closed = ~(here.width > 0) | (here.depth <= draft)
     if closed.any():
@@ -193,7 +202,6 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             "or depths there"
         )
     extremes: dict[str, dict[str, float] | None] = dict.fromkeys(("narrowest", "shallowest", "sharpest"))
-    words = waterway.summary()
     for name, what, values in (("narrowest", "width", here.width), ("shallowest", "depth", here.depth)):
         if np.isfinite(values).all():
             least, at = float(values.min()), float(s[int(values.argmin())])
@@ -201,31 +209,22 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             words += f"; {name} {least:.4g} m at {at:.0f} m"
     if bend := waterway.sharpest_bend:
         extremes["sharpest"] = dict(zip(("radius", "at", "over"), bend, strict=True))
+    drawn = {bank.side: bank.drawn.corners[[0, -1]] for bank in (waterway.starboard, waterway.port) if bank.drawn}
     notes = [
-        f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of {length:.0f} m; "
-        "beyond, its distance is assumed constant."
-        for bank in (waterway.starboard, waterway.port) if bank.drawn
-        for first, last in (bank.drawn.corners[[0, -1]],)
+        f"The {side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of {length:.0f} m; beyond, "
+        "its distance is assumed constant."
+        for side, (first, last) in drawn.items()
         if first > NEGLIGIBLE * length or last < (1 - NEGLIGIBLE) * length
-    ]  # fmt: skip
-    return {
-        "name": waterway.name, "length": length, **extremes,
-        "stations": _stations(waterway, draft),
-        "summary": words,
-        "notes": [*notes, *(NO_DEPTH,) * (waterway.depths is None), *more],
-    }  # fmt: skip
-
-
-# Columns of the stations along a waterway, with their units.
-STATION_UNITS = {"at": "m", "heading": "deg", "starboard": "m", "port": "m", "width": "m", "depth": "m"}
-
-
-def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
-    s = np.linspace(0, waterway.line.length, STATIONS_SHOWN)
+    ]
+    if waterway.depths is None:
+        notes.append("No depth is given: voyages use that of the model; add --depth 16.")
+    s = np.linspace(0, length, PRINTED)
     here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
     sides = here.width / 2 + here.middle, here.width / 2 - here.middle
-    columns = np.broadcast_arrays(s, heading, *sides, here.width, here.depth)
-    return [dict(zip(STATION_UNITS, row, strict=True)) for row in np.transpose(columns).tolist()]
+    rows = np.transpose(np.broadcast_arrays(s, heading, *sides, here.width, here.depth)).tolist()
+    stations = [dict(zip(STATION_UNITS, row, strict=True)) for row in rows]
+    return {"name": waterway.name, "length": length, **extremes, "stations": stations, "summary": words,
+            "notes": [*notes, *more]}  # fmt: skip
 
 
 def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
@@ -255,7 +254,7 @@ def print_fit(
     from narrows.identification.shapley import KINDS
     from narrows.identification.verdict import IDENTIFIED
 
-    console = console or Console(highlight=False, markup=False, soft_wrap=False)
+    console = console or console_of()
     console.print(f"\n{heading(fit, label)}", style="bold")
     answer = answer or summarise_bank(fit)
     for sentence in answer.warnings:
@@ -292,13 +291,12 @@ def best_known_first(fit: "Fit") -> list[str]:
 
     order = {IDENTIFIED: 0, ZERO: 1}
 
-    def width(name: str) -> tuple[int, float]:
+    def rank(name: str) -> tuple[int, float]:
         verdict, (low, high) = fit.verdicts[name], fit.intervals[name]
-        if not verdict.determined:
-            return 3, 0.0
-        return order.get(verdict.status, 2), (high - low) / max(abs(fit.coefficients[name]), 1e-300)
+        width = (high - low) / max(abs(fit.coefficients[name]), 1e-300)
+        return (order.get(verdict.status, 2), width) if verdict.determined else (3, 0.0)
 
-    return sorted(fit.terms.names, key=width)
+    return sorted(fit.terms.names, key=rank)
 
 
 def heading(fit: "Fit", label: str) -> str:
@@ -309,9 +307,8 @@ def heading(fit: "Fit", label: str) -> str:
 
 def kkt_sentence(fit: "Fit") -> str:
     kkt = fit.solution.kkt
-    worst = max(kkt)
     verb = "hold" if kkt.satisfied else "FAIL"
-    return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
+    return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {max(kkt):.1e}, relative."
 
 
 def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
@@ -319,10 +316,11 @@ def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
     verdict, std = fit.verdicts[name], fit.std[name]
     known = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
     shown = known if verdict.determined else ("-", "-", "-")
-    row = {"name": name, **dict(zip(("value", "std", "interval"), shown, strict=True))}
-    kind = verdict.status.replace(" ", "-")
-    style = COLOURS.get(verdict.status, "red")
-    return {**row, "unit": fit.terms[name].dimension.unit, "verdict": verdict.status, "kind": kind, "style": style}
+    return {
+        "name": name, **dict(zip(("value", "std", "interval"), shown, strict=True)),
+        "unit": fit.terms[name].dimension.unit, "verdict": verdict.status,
+        "kind": verdict.status.replace(" ", "-"), "style": COLOURS.get(verdict.status, "red"),
+    }  # fmt: skip
 
 
 def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:

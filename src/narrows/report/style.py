@@ -1,4 +1,4 @@
-"""Style of figures: colours for the colour-blind, lines that remain legible in grey."""
+"""Style of figures: panels, titles and notes."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -14,10 +14,6 @@ from matplotlib.figure import Figure
 
 from narrows.base.errors import InputError
 
-# Palette of Okabe and Ito.
-BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
-DASHES = ("-", "--", ":", "-.")
-HATCHES = ("", "///", "...")
 FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw moment N [N m]"}
 FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsize": 8.0, "axes.spines.top": False,
         "axes.spines.right": False, "svg.fonttype": "path", "svg.hashsalt": "narrows"}  # fmt: skip
@@ -45,21 +41,17 @@ class Picture(Figure):
         return getattr(self.axes[0], name)
 
 
-_GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
+# Axes of the caller, on which ``panels`` draws.
+GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
 
 @contextmanager
 def drawing_on(axes: Axes | None) -> Iterator[None]:
-    token = _GIVEN.set(axes)
+    token = GIVEN.set(axes)
     try:
         yield
     finally:
-        _GIVEN.reset(token)
-
-
-def given_axes() -> tuple[Figure, Axes] | None:
-    axes = _GIVEN.get()
-    return None if axes is None else (cast(Figure, axes.figure), axes)
+        GIVEN.reset(token)
 
 
 def titled(axes: Axes, sentences: Iterable[str]) -> None:
@@ -69,15 +61,17 @@ def titled(axes: Axes, sentences: Iterable[str]) -> None:
     )
 
 
-def panels(rows: int, columns: int, height: float, grid: str = "both", **options: Any) -> tuple[Figure, Any]:
-    """Make a figure of the page's width and its axes, (rows, columns), with a grid for values of x, y, both or none."""
-    if given := given_axes():
+def panels(
+    rows: int, columns: int, height: float, grid: str = "both", width: float = WIDTH, **options: Any
+) -> tuple[Figure, Any]:
+    """Make a figure and its axes, (rows, columns), with a grid for values of x, y, both or none."""
+    if (given := GIVEN.get()) is not None:
         if rows * columns > 1:
             raise InputError(f"this picture has {rows * columns} panels, which one ax cannot hold; leave ax out")
-        figure, axes = given[0], np.array([[given[1]]])
+        figure, axes = cast(Figure, given.figure), np.array([[given]])
     else:
         with rc_context(FONT):
-            figure = Picture(figsize=(WIDTH, height), layout="constrained")
+            figure = Picture(figsize=(width, height), layout="constrained")
             axes = figure.subplots(rows, columns, squeeze=False, **options)
     for panel in axes.flat if grid else ():
         panel.grid(alpha=0.3, axis=grid)

@@ -10,36 +10,31 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from narrows.report.colours import BLACK, BLUE, GREY, ORANGE, PURPLE
 from narrows.report.fit_page import figure, write_page
-from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, legend_below, panels
+from narrows.report.style import legend_below, panels
 from narrows.ship.particulars import half_swept
 from narrows.warning.alerts.alert import Priority
 from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.warning.settings import NEAR_MISS
 
-TRACK = (
-    "Plan view along the unrolled centreline, starboard down: banks at keel depth, the track of midship, and the area "
-    "that the hull swept, coloured by alert level."
-)
-HISTORY = (
-    "Clearance of the hull, probabilities of contact, times to contact and to the last chance to act, "
-    "and the rudder with the angle that keeps the ship on its offset; shading shows alerts."
-)
-
 
 def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
     margin = transit.to_dict()["least_rudder_margin"]
-    write_page(
-        path,
-        "transit.html.j2",
-        title=": a transit of ".join(transit.names),
-        said=transit.summary().splitlines(),
-        margin=None if margin is None or not math.isfinite(margin) else f"{math.degrees(margin):.0f}",
-        track=figure(transit_track_figure(transit), TRACK) if transit.located.any() else None,
-        figure=figure(transit_figure(transit), HISTORY),
-        alerts=[(f"{sent.t:.0f}", sent.alert) for sent in transit.alerts],
-        notes=transit.notes,
+    track = (
+        "Plan view along the unrolled centreline, starboard down: banks at keel depth, the track of midship, and the "
+        "area that the hull swept, coloured by alert level."
     )
+    history = (
+        "Clearance of the hull, probabilities of contact, times to contact and to the last chance to act, and the "
+        "rudder with the angle that keeps the ship on its offset; shading shows alerts."
+    )
+    write_page(
+        path, "transit.html.j2", title=": a transit of ".join(transit.names), transit=transit,
+        margin=None if margin is None or not math.isfinite(margin) else f"{math.degrees(margin):.0f}",
+        track=figure(transit_track_figure(transit), track) if transit.located.any() else None,
+        figure=figure(transit_figure(transit), history),
+    )  # fmt: skip
 
 
 # Background of the curves during an alert, by level.
@@ -49,29 +44,31 @@ SHADES = {
 BANK_POINTS = 400  # Points of each drawn bank
 
 
+# Panels of a transit: label, and curves by column with factor, colour and words.
+CURVES = (
+    ("water beside\nthe hull [m]", (("clearance", 1.0, BLUE, "clearance"),)),
+    ("chance [%]", (
+        ("nobody", 100.0, BLUE, "contact: nobody acts in time"), ("unattended", 100.0, GREY, "nobody at the helm"),
+    )),
+    ("time [s]", (
+        ("contact", 1.0, ORANGE, "to contact, as it is"), ("last_chance", 1.0, BLACK, "to the last chance"),
+    )),
+    ("rudder [deg]", (
+        ("rudder", math.degrees(1), GREY, "rudder"), ("rudder_needed", math.degrees(1), BLUE, "needed to stay"),
+    )),
+)  # fmt: skip
+
+
 def transit_figure(transit: WatchedTransit) -> Figure:
     figure, axes = panels(4, 1, 6.6, sharex=True)
     columns, t = transit.columns, transit.columns["t"]
-    curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
-        ("water beside\nthe hull [m]", ((columns["clearance"], BLUE, "clearance"),)),
-        ("chance [%]", (
-            (100 * columns["nobody"], BLUE, "contact: nobody acts in time"),
-            (100 * columns["unattended"], GREY, "nobody at the helm"),
-        )),
-        ("time [s]", (
-            (columns["contact"], ORANGE, "to contact, as it is"), (columns["last_chance"], BLACK, "to the last chance"),
-        )),
-        ("rudder [deg]", (
-            (np.degrees(columns["rudder"]), GREY, "rudder"),
-            (np.degrees(columns["rudder_needed"]), BLUE, "needed to stay"),
-        )),
-    )  # fmt: skip
-    for panel, (label, lines) in zip(axes[:, 0], curves, strict=True):
+    for panel, (label, curves) in zip(axes[:, 0], CURVES, strict=True):
         for part, level in _levels(columns["level"]):
             if shade := SHADES.get(level):
                 panel.axvspan(t[part][0], t[part][-1], color=shade, alpha=0.35, lw=0)
-        for values, colour, words in lines:
-            panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
+        for name, factor, colour, words in curves:
+            values = np.where(np.isfinite(columns[name]), factor * columns[name], np.nan)
+            panel.plot(t, values, color=colour, lw=1.2, label=words)
         panel.set_ylabel(label)
         panel.legend(frameon=False, fontsize=7, loc="best")
     axes[0, 0].axhline(NEAR_MISS, color=BLACK, lw=0.7, ls="--")

@@ -14,7 +14,7 @@ import re
 import sqlite3
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import closing, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from pathlib import Path
@@ -24,8 +24,7 @@ from typing import Any, NamedTuple
 
 from narrows.base.errors import InputError, reason
 from narrows.warning import settings
-from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.settings import DISK_RETRY, DISK_TIMEOUT
+from narrows.warning.forecasting.forecaster import BankForecast
 
 MOST_REVISIONS = 99
 SAME = 1e-9  # Times that differ by less are one [s]
@@ -71,7 +70,7 @@ ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
 # States that wait for nobody: an alert whose condition ends in them is over.
 ANSWERED = (AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
-# States that wait for an acknowledgement.
+# States that wait for an acknowledgement, the last one without its condition.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
 
@@ -111,22 +110,17 @@ class Alert:
         return replace(self, instance=instance)._changed(t, state, priority=priority, text=text, repeats=0)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
+        after = None
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
             return self
         if command is Command.ACKNOWLEDGE and self.state in WAITING:
-            gone = self.state is AlertState.RECTIFIED
-            return self._changed(t, AlertState.NORMAL if gone else AlertState.ACKNOWLEDGED)
-        if command is Command.SILENCE and self.sounds:
-            return self._changed(t, AlertState.SILENCED)
+            after = AlertState.NORMAL if self.state is AlertState.RECTIFIED else AlertState.ACKNOWLEDGED
+        elif command is Command.SILENCE and self.sounds:
+            after = AlertState.SILENCED
         # Alerts judged by their picture (category A) stay where the picture is, and so do alarms.
-        transferable = self.category == "B" and self.priority < Priority.ALARM
-        if (
-            command is Command.TRANSFER
-            and transferable
-            and self.state in (AlertState.UNACKNOWLEDGED, AlertState.SILENCED)
-        ):
-            return self._changed(t, AlertState.TRANSFERRED)
-        return None
+        elif command is Command.TRANSFER and self.category == "B" and self.priority < Priority.ALARM:
+            after = AlertState.TRANSFERRED if self.state in WAITING[:2] else None
+        return after and self._changed(t, after)
 
     def timed(self, t: float) -> "Alert":
         """Return the alert where time has passed: a silence ends, what nobody acknowledges sounds anew."""
@@ -204,21 +198,16 @@ class AlertDesk:
     def update(self, t: float, conditions: Mapping[Situation, Condition]) -> list[Alert]:
         changed = []
         for identifier, before in self._alerts.items():
-            after = before
-            if condition := conditions.get(SITUATIONS[identifier]):
-                after = after.conditioned(condition.priority, condition.text, t)
-            after = after.timed(t)
-            self._alerts[identifier] = after
-            if (after.state, after.priority, after.revision) != (before.state, before.priority, before.revision):
-                changed.append(after)
+            condition = conditions.get(SITUATIONS[identifier])
+            after = self._alerts[identifier] = (before.conditioned(*condition, t) if condition else before).timed(t)
+            changed += [after] * (after.revision != before.revision)
         return changed
 
     def command(self, t: float, identifier: int, instance: int, command: Command) -> Alert | None:
         alert = self._alerts.get(identifier)
         if alert is None or alert.instance != instance or alert.state is AlertState.NORMAL:
             return None
-        after = alert.commanded(command, t)
-        if after is not None:
+        if after := alert.commanded(command, t):
             self._alerts[identifier] = after
         return after
 
@@ -255,7 +244,6 @@ CREATE TABLE IF NOT EXISTS rows (
 )
 """
 NO_ROW = "0" * 64
-Connect = Callable[[], sqlite3.Connection]
 
 
 class ChangedLog(InputError):
@@ -270,11 +258,15 @@ class LogRow(NamedTuple):
     hash: str  # SHA-256 of the hash before it and of all else
 
 
-class AlertLog:
-    def __init__(self, path: Path, deadline: float = DISK_TIMEOUT, connect: Connect | None = None) -> None:
+class AlertLog(AbstractContextManager["AlertLog"]):
+    def __init__(
+        self,
+        path: Path,
+        deadline: float = settings.DISK_TIMEOUT,
+        connect: Callable[[], sqlite3.Connection] | None = None,
+    ) -> None:
         self.path, self.deadline, self.trouble = path, deadline, ""
-        self._connect = connect or (lambda: _opened(path))
-        self.aside = ""
+        self._connect, self.aside = connect or (lambda: _opened(path)), ""
         rows = self._kept() if path.exists() else []
         contents = [json.loads(row.content) for row in rows if row.kind == "alert"]
         self.alerts = tuple(
@@ -298,13 +290,10 @@ class AlertLog:
                     Path(f"{self.path}{end}").rename(f"{aside}{end}")
             return []
 
-    def __enter__(self) -> "AlertLog":
-        return self
-
     def __exit__(self, *error: object) -> None:
         self._closing.set()
         self._waiting.put(None)
-        self._thread.join(self.deadline + DISK_RETRY)
+        self._thread.join(self.deadline + settings.DISK_RETRY)
 
     def alert(self, alert: Alert) -> bool:
         """Write an alert; return whether it is on disk."""
@@ -319,8 +308,7 @@ class AlertLog:
 
     def _run(self) -> None:
         connection: sqlite3.Connection | None = None
-        while item := self._waiting.get():
-            row, written = item
+        for row, written in iter(self._waiting.get, None):
             while not written.is_set():
                 try:
                     connection = connection or self._connect()
@@ -332,7 +320,7 @@ class AlertLog:
                     if connection:
                         connection.close()
                     connection, self.trouble = None, reason(error)
-                    if self._closing.wait(DISK_RETRY):
+                    if self._closing.wait(settings.DISK_RETRY):
                         return
         if connection:
             connection.close()
@@ -356,7 +344,7 @@ def logged(path: Path) -> Iterator[LogRow]:
 
 
 def _opened(path: Path) -> sqlite3.Connection:
-    connection = sqlite3.connect(path, timeout=DISK_TIMEOUT)
+    connection = sqlite3.connect(path, timeout=settings.DISK_TIMEOUT)
     try:
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = FULL")

@@ -50,13 +50,11 @@ class BridgeReadings:
                 f"{waterway.name} has no place on earth, and a bridge reports longitude and latitude; give "
                 "its origin, or read it from GeoJSON"
             )
-        self.waterway = waterway
+        self.waterway, self._origin, self._usual_draft = waterway, np.array(waterway.origin), draft
         self._chosen: dict[str, tuple[str, int, float]] = {}  # Source, its rank, and the time of its last message [s]
-        self._origin, self._along, self._s = np.array(waterway.origin), math.nan, 0.0
+        self._along, self._s, self._off = math.nan, 0.0, 0
         self._last: dict[str, float] = {}
         self._draft: float | None = None
-        self._usual_draft = draft
-        self._off = 0
 
     def convert(self, tick: Tick) -> Messages:
         values = self._latest(tick.entries)
@@ -66,8 +64,7 @@ class BridgeReadings:
         depth = water.get("depth")
         if "under_keel_clearance" in water and draft is not None:
             depth = water["under_keel_clearance"] + draft
-        readings = self._place(values.pop("position", {}))
-        readings |= self._directions(values) | self._others(values)
+        readings = self._place(values.pop("position", {})) | self._directions(values) | self._others(values)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
         ages = {name: tick.t - t for name, t in self._last.items()}
         return Messages(tick.t, readings, ages, faults, self._draft, depth)
@@ -76,10 +73,9 @@ class BridgeReadings:
         values: dict[str, Values] = {}
         for entry in entries:
             for about, columns in entry.message.values.items():
-                if not columns or not self._accepts(about, entry.message.source, entry.t):
-                    continue
-                values[about] = {**values.get(about, {}), **columns}
-                self._last[about] = max(entry.t, self._last.get(about, -math.inf))
+                if columns and self._accepts(about, entry.message.source, entry.t):
+                    values[about] = {**values.get(about, {}), **columns}
+                    self._last[about] = max(entry.t, self._last.get(about, -math.inf))
         self._draft = values.pop(PARTICULARS, {}).get("draft", self._draft)
         return values
 

@@ -8,9 +8,10 @@ import socket
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
-from contextlib import closing, suppress
+from contextlib import AbstractContextManager, closing, suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from threading import Event, Lock, Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
@@ -65,19 +66,15 @@ class Connection:
                 pause = min(2 * pause, settings.LONGEST_PAUSE)
 
 
-class Listening:
+class Listening(AbstractContextManager["Listening"]):
     def __init__(self, connections: Sequence[Connection], mmsi: int | None = None, peers: Iterable[str] = ()) -> None:
         self._peers = frozenset(peers)  # Hosts or devices whose commands (ACN) are taken
         self.inbox, self.decoder, self._stop = Inbox(), NmeaDecoder(mmsi), Event()
         self._faults = [Counter[str]() for _ in connections]
-        self._threads = [
-            Thread(target=self._listen, args=own, daemon=True) for own in zip(connections, self._faults, strict=True)
-        ]
-
-    def __enter__(self) -> "Listening":
+        listened = zip(connections, self._faults, strict=True)
+        self._threads = [Thread(target=self._listen, args=own, daemon=True) for own in listened]
         for thread in self._threads:
             thread.start()
-        return self
 
     def __exit__(self, *error: object) -> None:
         self._stop.set()
@@ -106,18 +103,17 @@ class Listening:
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
         # A datagram ends its last line, so that those of several senders do not mix.
         splitter, signal_k = LineSplitter(faults), SignalK(faults)
-
         for content, sender in connection.pieces(self._stop):
-            now = time.monotonic()
+            messages: Iterator[Sentence | DecodedMessage]
             if connection.signal_k:
-                for message in signal_k.deltas(content, time.time()):
-                    self.inbox.put(Arrival(now, message))
-                continue
-            for sentence in sentences(splitter.lines(content, connection.whole), faults):
-                if sentence.kind.endswith("ACN") and sender not in self._peers:
+                messages = signal_k.deltas(content, time.time())
+            else:
+                messages = sentences(splitter.lines(content, connection.whole), faults)
+            for message in messages:
+                if isinstance(message, Sentence) and message.kind.endswith("ACN") and sender not in self._peers:
                     faults[NO_PEER] += 1
-                    continue
-                self.inbox.put(Arrival(now, sentence))
+                else:
+                    self.inbox.put(Arrival(time.monotonic(), message))
 
 
 NO_PEER = "of commands from a place that may give none (--commands-from)"
@@ -222,10 +218,9 @@ def _grouped(pairs: Any) -> GroupedValues:
         if path == POSITION:
             known = isinstance(value, dict) and all(_can_be(value.get(name), most) for name, most in PLACES.items())
             values["position"] = {name: float(value[name]) for name in PLACES} if known else {}
-        elif path in PATHS:
-            about, column, largest = PATHS[path]
-            if _can_be(value, largest):
-                values.setdefault(about, {})[column] = float(value)
+        elif path in PATHS and _can_be(value, PATHS[path][2]):
+            about, column, _ = PATHS[path]
+            values.setdefault(about, {})[column] = float(value)
     return values
 
 
@@ -247,13 +242,21 @@ def connection_of(address: str) -> Connection:
     except ValueError:
         raise InputError(f"{address}: the port is no number from 0 to 65535; write it as in {SCHEMES}") from None
     if parts.scheme == "udp" and port is not None:
-        return Connection(address, True, False, lambda: _udp(host, port))
+        return Connection(address, True, False, partial(_udp, host, port))
     if parts.scheme == "tcp" and host and port is not None:
-        return Connection(address, False, False, lambda: _tcp(host, port))
+        return Connection(address, False, False, partial(_tcp, host, port))
     if parts.scheme == "serial" and parts.path:
-        return _serial_line(address, parts.path, parse_qs(parts.query).get("baud", [str(BAUD)])[0])
+        baud = parse_qs(parts.query).get("baud", [str(BAUD)])[0]
+        if not baud.isdecimal():
+            raise InputError(f"{address}: baud = {baud} is no speed of a line; write it as in {SCHEMES}")
+        with needs("monitor", "a serial line"):
+            from serial import Serial
+        return Connection(address, False, False, partial(_serial, Serial, parts.path, int(baud)))
     if parts.scheme in ("ws", "wss") and host:
-        return _signal_k(address, address if parts.path.strip("/") else address.rstrip("/") + SIGNAL_K)
+        stream = address if parts.path.strip("/") else address.rstrip("/") + SIGNAL_K
+        with needs("monitor", "Signal K"):
+            from websockets.sync.client import connect
+        return Connection(address, True, True, partial(_signal_k, connect, stream))
     raise InputError(f"{address}: is no address to listen to; write {SCHEMES}, or the name of a recording")
 
 
@@ -288,35 +291,21 @@ def _received(line: socket.socket, host: str = "") -> Piece:
     return Piece(content, host or sender[0])
 
 
-def _serial_line(address: str, device: str, baud: str) -> Connection:
-    with needs("monitor", "a serial line"):
-        import serial
-    if not baud.isdecimal():
-        raise InputError(f"{address}: baud = {baud} is no speed of a line; write it as in {SCHEMES}")
+def _serial(opened: Callable[..., Any], device: str, baud: int) -> Generator[Piece]:
+    with closing(opened(device, baud, timeout=settings.READ_TIMEOUT)) as port:
+        while True:
+            yield Piece(bytes(port.read(max(1, port.in_waiting))), device)
 
-    def line() -> Generator[Piece]:
-        with closing(serial.Serial(device, int(baud), timeout=settings.READ_TIMEOUT)) as port:
+
+def _signal_k(connect: Callable[..., Any], stream: str) -> Generator[Piece]:
+    from websockets.exceptions import WebSocketException
+
+    try:
+        with connect(stream, open_timeout=settings.OPEN_TIMEOUT, max_size=1 << 20) as websocket:
             while True:
-                yield Piece(bytes(port.read(max(1, port.in_waiting))), device)
-
-    return Connection(address, False, False, line)
-
-
-def _signal_k(address: str, stream: str) -> Connection:
-    with needs("monitor", "Signal K"):
-        from websockets.exceptions import WebSocketException
-        from websockets.sync.client import connect
-
-    def line() -> Generator[Piece]:
-        try:
-            with connect(stream, open_timeout=settings.OPEN_TIMEOUT, max_size=1 << 20) as websocket:
-                while True:
-                    try:
-                        content = bytes(websocket.recv(settings.READ_TIMEOUT, decode=False))
-                    except TimeoutError:
-                        content = b""
-                    yield Piece(content)
-        except WebSocketException as error:
-            raise ConnectionError(reason(error)) from None
-
-    return Connection(address, True, True, line)
+                content = b""
+                with suppress(TimeoutError):
+                    content = bytes(websocket.recv(settings.READ_TIMEOUT, decode=False))
+                yield Piece(content)
+    except WebSocketException as error:
+        raise ConnectionError(reason(error)) from None

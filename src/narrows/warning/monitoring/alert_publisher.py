@@ -8,7 +8,7 @@ import re
 import socket
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing, contextmanager, suppress
+from contextlib import AbstractContextManager, closing, contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import count
 from threading import Event, Thread
@@ -31,7 +31,6 @@ from narrows.warning.alerts.alert import (
     AlertState,
     Priority,
 )
-from narrows.warning.settings import HEARTBEAT
 
 TALKER = "II"  # Integrated instrumentation
 # Letters of the second sentence of an alert.
@@ -47,31 +46,28 @@ LETTERS: Mapping[AlertState, str] = {
 
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
-    name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
     # An alert that is not normal has a priority; one that became normal keeps its last one.
     about = f"{_clock(since_1970)},{alert.category},{alert.priority.letter},{letters[alert.state]}"
     which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
+    texts = (about, SITUATIONS[alert.identifier].name), (",,,", alert.text[:LONGEST_TEXT])
     return [
-        with_checksum(f"{TALKER}ALF,2,1,{number % 10},{about},{which},{_escaped(name)}"),
-        with_checksum(f"{TALKER}ALF,2,2,{number % 10},,,,,{which},{_escaped(text)}"),
+        with_checksum(f"{TALKER}ALF,2,{place},{number % 10},{head},{which},{_escaped(text)}")
+        for place, (head, text) in enumerate(texts, 1)
     ]
 
 
 def alc(alerts: Sequence[Alert], number: int) -> list[str]:
     parts = [alerts[first : first + ENTRIES] for first in range(0, len(alerts), ENTRIES)] or [()]
-    return [
-        with_checksum(
-            ",".join(
-                [f"{TALKER}ALC", f"{len(parts):02d}", f"{place:02d}", f"{number % 100:02d}", f"{len(part)}"]
-                + [f"{MAKER},{one.identifier},{one.instance},{one.revision}" for one in part]
-            )
-        )
-        for place, part in enumerate(parts, 1)
-    ]
+    lines = []
+    for place, part in enumerate(parts, 1):
+        listed = [f"{MAKER},{one.identifier},{one.instance},{one.revision}" for one in part]
+        head = f"{TALKER}ALC,{len(parts):02d},{place:02d},{number % 100:02d},{len(part)}"
+        lines.append(with_checksum(",".join([head, *listed])))
+    return lines
 
 
 def hbt(sound: bool, number: int) -> str:
-    return with_checksum(f"{TALKER}HBT,{HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
+    return with_checksum(f"{TALKER}HBT,{settings.HEARTBEAT:.1f},{'A' if sound else 'V'},{number % 10}")
 
 
 def arc(refused: AlertCommand, since_1970: float) -> str:
@@ -115,9 +111,10 @@ Send = Callable[[str], None]
 
 
 class AlertPublisher:
-    def __init__(self, log: AlertLog | None = None, send: Send | None = None) -> None:
-        self.log, self.send = log, send or (lambda sentence: None)
-        self.late = ""
+    def __init__(
+        self, log: AlertLog | None = None, send: Send | None = None, servers: Sequence["SignalKSender"] = ()
+    ) -> None:
+        self.log, self.send, self.servers, self.late = log, send or (lambda sentence: None), servers, ""
         self._numbers = {name: count() for name in ("alf", "alc", "hbt")}
         self._listed = self._beaten = -settings.HEARTBEAT
 
@@ -157,7 +154,7 @@ def sender_to(address: str) -> Iterator[Send]:
 STREAM = "/signalk/v1/stream?subscribe=none"
 
 
-class SignalKSender:
+class SignalKSender(AbstractContextManager["SignalKSender"]):
     """Sends the newest of all alerts, each time that they change; all of them after every new connection."""
 
     # When it ends it sends that nothing is alerted any more: a server keeps the last message.
@@ -169,14 +166,10 @@ class SignalKSender:
         if parts.scheme not in ("ws", "wss") or not parts.netloc:
             raise InputError(f"{address}: is no address of Signal K; write it as in ws://192.168.1.20:3000")
         self.address = address if parts.path.strip("/") else f"{parts.scheme}://{parts.netloc}{STREAM}"
-        self._connect = connect
-        self._newest: dict[str, Any] | None = None
+        self._connect, self._newest = connect, dict[str, Any]()
         self._changed, self._stop = Event(), Event()
         self._thread = Thread(target=self._run, daemon=True)
-
-    def __enter__(self) -> "SignalKSender":
         self._thread.start()
-        return self
 
     def __exit__(self, *error: object) -> None:
         self._newest = self._newest and notifications(None, time.time())

@@ -24,7 +24,7 @@ from narrows.warning.alerts.alert import (
     BankLevel,
     Priority,
 )
-from narrows.warning.forecasting.forecast import BankForecast, level_time
+from narrows.warning.forecasting.forecaster import BankForecast, level_time
 from narrows.warning.settings import NEAR_MISS
 from narrows.waterway.waterway import Waterway
 
@@ -110,9 +110,8 @@ class BridgeStatus(Aliased):
     def to_dict(self) -> dict[str, Any]:
         forecast = self.forecast.to_dict() if self.forecast else None
         said = {"status": self.word, "headline": self.headline, "caveats": list(self.caveats)}
-        clearances = {name: own._asdict() if isinstance(own, HullEnd) else own
-                      for name, own in self.clearances._asdict().items()}  # fmt: skip
-        known = {"clearances": clearances, "state": self.estimate.values, "forecast": forecast}
+        ends = {name: end and end._asdict() for name, end in zip(("bow", "stern"), self.clearances[2:], strict=True)}
+        known = {"clearances": self.clearances._asdict() | ends, "state": self.estimate.values, "forecast": forecast}
         alerts = [alert_to_dict(one) for one in self.alerts]
         return {"t": self.t, **said, **known, "alerts": alerts, "faults": dict(self.faults)}
 
@@ -189,10 +188,9 @@ class WatchedTransit(BaseResult):
     def summary(self) -> str:
         seconds, near = len(self.columns["t"]), self._nearest()
         lines = [f"{' on '.join(self.names)}: {seconds} seconds watched, {int(self.known.sum())} with a forecast."]
-        for priority in reversed(Priority):
-            first = next((said for said in self.alerts if priority and said.alert.priority is priority), None)
-            if first:
-                lines.append(f"First {priority.words} after {first.t:.0f} s: {first.alert.text}.".replace("..", "."))
+        firsts = {said.alert.priority: said for said in reversed(self.alerts) if said.alert.priority}
+        for priority, first in sorted(firsts.items(), reverse=True):
+            lines.append(f"First {priority.words} after {first.t:.0f} s: {first.alert.text}.".replace("..", "."))
         if near is not None:
             lines.append(_nearness(float(self.columns["t"][near]), float(self.columns["clearance"][near])))
         return "\n".join(lines)
@@ -253,14 +251,13 @@ class TransitLog:
 
 
 def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
-    now, forecast = status.estimate.values, status.forecast
-    state = tuple(now[name] if status.estimate.ready else math.nan for name in ("x", "y", "psi", "u"))
-    clearance = status.clearance if status.estimate.ready else math.nan
-    if forecast is None:
-        return (t, *state, clearance, *(math.nan,) * 7, float(status.level))
-    rudder = forecast.rudder, forecast.rudder_needed, forecast.rudder_margin
-    times = forecast.likely.contact, max(forecast.last_chance, 0.0)
-    return (t, *state, clearance, forecast.nobody, forecast.unattended, *times, *rudder, float(status.level))
+    now, forecast, known = status.estimate.values, status.forecast, status.estimate.ready
+    state = [now[name] if known else math.nan for name in ("x", "y", "psi", "u")]
+    told = [math.nan] * 7
+    if forecast:
+        told = [forecast.nobody, forecast.unattended, forecast.likely.contact, max(forecast.last_chance, 0.0)]
+        told += [forecast.rudder, forecast.rudder_needed, forecast.rudder_margin]
+    return (t, *state, status.clearance if known else math.nan, *told, float(status.level))
 
 
 # Scores of recorded transits: the time left to act when each predictor warned, and false alerts.

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from importlib.resources import files
-from queue import Empty, Full, Queue
+from queue import Full, Queue
 from threading import Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
@@ -26,7 +26,7 @@ from narrows.warning import settings
 from narrows.warning.alerts.alert import AlertCommand, AlertDesk, Command
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.watched_transit import BridgeStatus, alert_to_dict
+from narrows.warning.monitoring.watched_transit import BridgeStatus
 from narrows.waterway.waterway import Section
 from narrows.web import asset
 
@@ -35,16 +35,13 @@ COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
 
 
 def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
+    """Return the message of an update: the status, with what may be commanded of its alerts, and the scene."""
+    told = status.to_dict()
+    for alert, shown in zip(status.alerts, told["alerts"], strict=True):
+        may = [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None]
+        shown |= {"sounds": alert.sounds, "may": may}
     names = {"ship": monitored.model.configuration.ship.name or "A ship", "waterway": monitored.waterway.name}
-    alerts = [
-        {
-            **alert_to_dict(alert), "sounds": alert.sounds,
-            "may": [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None],
-        }
-        for alert in status.alerts
-    ]  # fmt: skip
-    parts = {"alerts": alerts, "scene": scene(monitored, status)}
-    return {"kind": "update", "at": since_1970, **names, **status.to_dict(), **parts}
+    return {"kind": "update", "at": since_1970, **names, **told, "scene": scene(monitored, status)}
 
 
 def packed(message: Mapping[str, Any]) -> str:
@@ -94,8 +91,7 @@ class Clients:
     """Who look on: each receives the newest message, at its own pace, and answers to it alone."""
 
     def __init__(self, lasts: float = math.inf) -> None:
-        self.lasts, self.newest, self.number, self.count = lasts, "", 0, 0
-        self._at = -math.inf
+        self.lasts, self.newest, self.number, self.count, self._at = lasts, "", 0, 0, -math.inf
 
     def __len__(self) -> int:
         return self.count
@@ -279,7 +275,6 @@ def _listening(host: str, port: int) -> socket.socket:
         ) from None
 
 
-NUMBERS = ("identifier", "instance", "revision")
 MALFORMED = (
     'That is no request; write {"command": "acknowledge" or "silence", "identifier": ..., "instance": ..., '
     '"revision": ...}, the numbers as the alert has them.'
@@ -307,12 +302,11 @@ def request_of(text: str) -> PageRequest | None:
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
     """Return why a request is refused, in a sentence; empty where it is not."""
-    shown = [alert for alert in desk.alerts if all(getattr(alert, name) == getattr(request, name) for name in NUMBERS)]
-    if not shown:
-        return "That alert is over, or has changed since it was asked for; look at it again."
-    if shown[0].commanded(COMMANDS[request.command], t) is None:
-        return f"The alert is {shown[0].state.value}, so there is nothing to {request.command}."
-    return ""
+    for alert in desk.alerts:
+        if (alert.identifier, alert.instance, alert.revision) == request[1:]:
+            possible = alert.commanded(COMMANDS[request.command], t)
+            return "" if possible else f"The alert is {alert.state.value}, so there is nothing to {request.command}."
+    return "That alert is over, or has changed since it was asked for; look at it again."
 
 
 class PageRequests:
@@ -329,15 +323,13 @@ class PageRequests:
     def commands(self, desk: AlertDesk, t: float) -> list[AlertCommand]:
         """Return what is asked for, and answer what is refused."""
         said: list[AlertCommand] = []
-        try:
-            while True:
-                request, answer = self._waiting.get_nowait()
-                if why := objection(request, desk, t):
-                    answer(why)
-                else:
-                    said.append(AlertCommand(request.identifier, request.instance, COMMANDS[request.command]))
-        except Empty:
-            return said
+        while not self._waiting.empty():
+            request, answer = self._waiting.get_nowait()
+            if why := objection(request, desk, t):
+                answer(why)
+            else:
+                said.append(AlertCommand(request.identifier, request.instance, COMMANDS[request.command]))
+        return said
 
     def joined(self, ticks: Iterable[Tick], desk: AlertDesk) -> Iterator[Tick]:
         for tick in ticks:

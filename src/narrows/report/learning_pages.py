@@ -1,0 +1,303 @@
+"""Pages, figures and tables of a model that learns from a log and from steady legs, with the pilot's page."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from narrows.base.errors import InputError
+from narrows.base.results import interval, with_error
+from narrows.control.steady_course import steady_course
+from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
+from narrows.logbook.learning.log_fit import LogFit, RecordAnswer
+from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
+from narrows.logbook.steady_readings import SHARED
+from narrows.logbook.transits import InformationForecast
+from narrows.model.model import Model
+from narrows.quantities.names import KNOT
+from narrows.report.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE
+from narrows.report.fit_page import figure, write_page
+from narrows.report.printed_tables import print_result, table_of
+from narrows.report.style import legend_below, panels
+
+DEGREES = 180 / np.pi
+# Errors of forecasts: state, words, factor.
+MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", DEGREES), ("r", "yaw rate [deg/s]", DEGREES))
+
+
+def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
+    caption = "Coefficients after the log, in standard deviations before it, with 95 % intervals."
+    beside = "Measured, and predicted every 3.5 ship lengths with the recorded rudder."
+    # Coefficients whose records are compared: those of the bank, or those with the best information.
+    known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
+    informed = [c.name for c in known if c.from_bank]
+    informed = informed or [c.name for c in sorted(known, key=lambda c: c.std_ratio)[:3]]
+    records = [
+        {
+            "name": record.name, "minutes": f"{record.duration / 60:.3g}",
+            "missed": ["{:.2g} to {:.2g}".format(*(factor * error for error in record.forecast_rmse[name]))
+                       for name, _, factor in MISSED],
+            "information": [f"{100 * record.information[name]:.0f} %" for name in informed],
+        }
+        for record in fit.records
+    ]  # fmt: skip
+    write_page(
+        path, "log_fit.html.j2", title=f"{fit.prior.configuration.ship.name or 'A ship'}: learned from its own log",
+        said=fit.summary().splitlines(), learned=learned_rows(fit.coefficients, truth), twin=truth is not None,
+        figure=figure(log_fit_figure(fit), caption), missed_heads=[words for _, words, _ in MISSED], records=records,
+        informed=informed, notes=[note for note in fit.notes if note != ON_TWINS],
+        forecasts=[figure(forecast_figure(record), beside) for record in fit.records if record.forecasts],
+    )  # fmt: skip
+
+
+# Largest number of drawn coefficients.
+MOST_ROWS = 24
+BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
+
+
+def log_fit_figure(fit: LogFit) -> Figure:
+    known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.std_ratio)[:MOST_ROWS]
+    figure, ((panel,),) = panels(1, 1, max(2.8, 0.9 + 0.2 * len(known)))
+    panel.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
+    panel.axvline(0, color=BLACK, lw=0.6)
+    moved, wide = ([(c.value - c.prior) / c.prior_std for c in known], [QUANTILE_95 * c.std_ratio for c in known])
+    panel.errorbar(moved, range(len(known)), xerr=wide, fmt="o", color=BLUE, capsize=3, ms=4)
+    panel.set(xlabel="change, in prior standard deviations (grey: 95 % before)")
+    panel.set_yticks(range(len(known)), [c.name for c in known])
+    panel.invert_yaxis()
+    return figure
+
+
+# Margin around measured values, relative to their extent.
+ROOM_ACROSS = 0.6
+# States of a forecast by panel, with place, factor and label.
+PREDICTED = (
+    ("r", 5, DEGREES, "yaw rate [deg/s]"), ("psi", 2, DEGREES, "heading [deg]"), ("y", 1, 1.0, "y [m]"),
+)  # fmt: skip
+
+
+def forecast_figure(record: RecordAnswer) -> Figure:
+    """Draw rudder, yaw rate, heading and offset of a record with predictions every 3.5 ship lengths."""
+    assert record.forecasts is not None
+    figure, axes = panels(4, 1, 6.0, sharex=True)
+    last = record.forecasts[1]
+    axes[0, 0].plot(last.t, np.degrees(last.rudder), color=BLACK, lw=0.8)
+    axes[0, 0].set(ylabel="rudder [deg]", title=record.name, xlim=(last.t[0], last.t[-1]))
+    for panel, (name, place, factor, label) in zip(axes[1:, 0], PREDICTED, strict=True):
+        if name in record.measured:
+            t, values = record.measured[name]
+            panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
+            room = ROOM_ACROSS * factor * float(np.ptp(values)) + 1e-9  # A prediction that diverges hides no other.
+            panel.set_ylim(factor * float(values.min()) - room, factor * float(values.max()) + room)
+        for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
+            # A line of many pieces has a gap where a prediction ends.
+            t, values = (np.insert(column, predicted.ends[:-1] + 1, np.nan)
+                         for column in (predicted.t, factor * predicted.states[:, place]))  # fmt: skip
+            panel.plot(t, values, color=colour, lw=1.0, label=words)
+        panel.set(ylabel=label)
+    axes[-1, 0].set_xlabel("time [s]")
+    legend_below(figure, axes[-1, 0].get_legend_handles_labels()[0])
+    return figure
+
+
+def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
+    words = "estimate from the log"
+    columns = {**LEARNED, words: "{verdict}", **({"truth": "{truth:.3g}"} if truth else {})}
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients, truth), left=("", "unit", words)))
+
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
+# Largest number of points of a curve.
+MOST_POINTS = 4000
+MOST_RECORDS = 12
+LEGEND_RECORDS = 5
+# Signals of the panels below the track (the first one in the record), factor and label.
+CURVES = (
+    (("rudder",), DEGREES, "rudder [deg]"), (("psi",), DEGREES, "heading [deg]"), (("r",), DEGREES, "yaw rate [deg/s]"),
+    (("u", "u_ground", "speed_over_ground"), 1.0, "speed ahead [m/s]"),
+    (("v", "v_ground"), 1.0, "speed to starboard [m/s]"),
+)  # fmt: skip
+
+
+def log_figure(log: ShipLog) -> Figure:
+    figure, axes = panels(3, 2, 6.4)
+    track, *others = axes.ravel()
+    for place, record in enumerate(log.records[:MOST_RECORDS]):
+        colour = COLOURS[place % len(COLOURS)]
+        if "x" in record and "y" in record:
+            x = record["x"]
+            some = slice(None, None, max(1, len(x) // MOST_POINTS))
+            track.plot(x.values[some], record["y"].at(x.t[some]), color=colour, linewidth=1.0, label=record.name)
+        for panel, (names, factor, label) in zip(others, CURVES, strict=True):
+            panel.set(xlabel="time of the record [s]", ylabel=label)
+            if signal := next((record[name] for name in names if name in record), None):
+                some = slice(None, None, max(1, len(signal) // MOST_POINTS))
+                t, values = signal.t[some] - record.start, factor * signal.values[some]
+                panel.plot(t, values, color=colour, linewidth=0.8)
+    track.set(xlabel="along x [m]", ylabel="to starboard y [m]")
+    if len(log) <= LEGEND_RECORDS and track.lines:
+        track.legend(frameon=False)
+    return figure
+
+
+# Distance off its line at which a leg is broken off [beams].
+STRAYED = 0.25
+
+
+def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
+    ship = plan.model.configuration.ship
+    run = max(leg.speed for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
+    legs = [
+        (f"{abs(leg.offset):g} m {leg.side}", f"{leg.speed / KNOT:g} kn", _turned(leg.rudder), _turned(leg.drift, 1))
+        for leg in plan.legs
+    ]
+    write_page(
+        path, "pilot.html.j2", title="Holding the ship to either side: what the bank does", plan=plan, legs=legs,
+        picture_of_legs=figure(legs_figure(plan), "The legs from above, the ship going up the page."),
+        miles=run / 1852, minutes=np.ceil(plan.settling / 60), most_rudder=np.degrees(plan.most_rudder),
+        strayed=STRAYED * ship.beam, foot=[plan.summary().partition("\n")[0], ON_TWINS],
+    )  # fmt: skip
+
+
+def _turned(angles: tuple[float, ...], digits: int = 0) -> str:
+    """A range of angles by side: P to port, S to starboard."""
+    low, _, high = np.degrees(angles)
+    return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))
+
+
+# Outline of a hull: beams to starboard, and rows ahead.
+HULL = ((-0.5, 0.0), (0.5, 0.0), (0.5, 0.75), (0.0, 1.0), (-0.5, 0.75))
+
+
+def legs_figure(plan: SteadyPlan) -> Figure:
+    """Draw the canal from above, with ahead up: each leg's hull at its offset."""
+    if not plan.legs:
+        raise InputError("a plan without legs has no picture; its summary gives the reason")
+    ship, half = plan.model.configuration.ship, plan.model.configuration.canal.width / 2
+    figure, ((axes,),) = panels(1, 1, 2.6, grid="")
+    for sign, side, ends in ((-1, "port bank", "left"), (1, "starboard bank", "right")):
+        axes.axvline(sign * half, color=BLACK, lw=4)
+        axes.text(sign * 0.97 * half, 0.06, side, rotation=90, va="bottom", ha=ends, fontsize=8)
+    axes.axvline(0, color=GREY, lw=0.8, ls="-.")
+    places = sorted({leg.offset for leg in plan.legs})
+    look: dict[str, Any] = {"ha": "center", "va": "center", "color": "white", "weight": "bold", "fontsize": 8}
+    for row, offset in enumerate(places):  # Each hull ahead of the last, so that neighbours do not overlap.
+        hull = [(offset + across * ship.beam, row + 0.05 + 0.9 * along) for across, along in HULL]
+        axes.add_patch(Polygon(hull, facecolor=BLUE if offset > 0 else ORANGE, edgecolor=BLACK, lw=0.8, alpha=0.85))
+        numbers = ", ".join(str(i) for i, leg in enumerate(plan.legs, start=1) if leg.offset == offset)
+        axes.text(offset, row + 0.5, numbers, **look)
+    axes.set(xlim=(-1.05 * half, 1.05 * half), ylim=(-0.1, len(places) + 0.25), yticks=[])
+    axes.set_xticks([-half, *places, 0, half], [f"{x:+.3g}" if x else "0" for x in (-half, *places, 0, half)])
+    axes.spines["left"].set_visible(False)
+    axes.set_xlabel("metres from the middle, the ship going up the page: port left, starboard right")
+    return figure
+
+
+def print_information(information: InformationForecast) -> None:
+    columns = {"transits": "{transits}"} | {f"std {name}": f"{{std {name}:.2g}}" for name in information.std}
+    print_result(information, table_of(columns, information.rows()))
+
+
+# Coefficients before and after a record, in a table.
+LEARNED = {
+    "": "{name}", "before": "{before}", "after": "{after}", "95 % interval": "{interval}", "unit": "{unit}",
+}  # fmt: skip
+
+
+def learned_rows(
+    coefficients: Mapping[str, LearnedCoefficient], truth: Mapping[str, float] | None = None
+) -> list[dict[str, Any]]:
+    learned = sorted((c for c in coefficients.values() if c.status != PRIOR), key=lambda c: c.std_ratio)
+    return [
+        {
+            "name": c.name, "before": with_error(c.prior, c.prior_std), "after": with_error(c.value, c.std),
+            "interval": interval(c.interval, c.std), "unit": c.unit, "verdict": c.verdict,
+            "truth": truth[c.name] if truth else None,
+        }
+        for c in learned
+    ]  # fmt: skip
+
+
+def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
+    caption = "Steady rudder by offset, before and after the legs; the bank's coefficients with 95 % intervals."
+    found, name = fit.to_dict(), fit.prior.configuration.ship.name or "A ship"
+    write_page(
+        path, "steady.html.j2", title=f"{name}: coefficients from {len(fit.readings)} steady legs", standing=ON_TWINS,
+        said=[line for line in fit.summary().splitlines() if line != ON_TWINS], learned=learned_rows(fit.coefficients),
+        figure=figure(steady_figure(fit), caption), legs=found["legs"], notes=fit.notes,
+        shared=[row | {"words": SHARED[row["name"]][0]} for row in found["shared"]],
+    )  # fmt: skip
+
+
+# Number of offsets of the curves, and their extent relative to the farthest leg.
+OFFSETS, BESIDE = 21, 1.5
+# Samples of coefficients, and quantiles of the rudder angle that are drawn.
+SAMPLES, BAND = 200, (0.05, 0.5, 0.95)
+
+
+def steady_figure(fit: SteadyFit) -> Figure:
+    banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
+    figure, axes = panels(1, 1 + len(banks), 3.6, "y", width_ratios=(2.2, *(1.0 for _ in banks)))
+    _draw_rudder(axes[0, 0], fit)
+    for panel, c in zip(axes[0, 1:], banks, strict=True):
+        for place, (value, std, colour) in enumerate(((c.prior, c.prior_std, ORANGE), (c.value, c.std, BLUE))):
+            panel.errorbar([place], [value], yerr=[QUANTILE_95 * std], fmt="o", color=colour, capsize=4)
+        panel.axhline(0, color=BLACK, lw=0.6)
+        panel.set(xticks=[0, 1], xlim=(-0.6, 1.6), xticklabels=["before", "after"])
+        panel.set_title(f"{c.name}, 95 %")
+    legend_below(figure, axes[0, 0].get_legend_handles_labels()[0])
+    return figure
+
+
+def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
+    read, canal, ship = fit.readings.values, fit.prior.configuration.canal, fit.prior.configuration.ship
+    far = min(BESIDE * float(np.abs(read["y"]).max()), 0.98 * (canal.width - ship.beam) / 2)
+    y, speed, limit = np.linspace(-far, far, OFFSETS), float(read["u"].mean()), fit.prior.configuration.gear.limit_deg
+    for model, colour, words in ((fit.prior, ORANGE, "before"), (fit.model, BLUE, "after")):
+        low, middle, high = np.degrees(rudder_band(model, y, speed)).clip(-2 * limit, 2 * limit)
+        axes.fill_between(y, low, high, color=colour, alpha=0.25, lw=0, label=f"9 cases of 10, {words}")
+        axes.plot(y, middle, color=colour, lw=1.2)
+    rudder, errors = np.degrees(read["rudder"] - fit.shared["rudder_zero"][0]), fit.readings.errors
+    axes.errorbar(
+        read["y"], rudder, xerr=errors["y"], yerr=np.degrees(errors["rudder"]), fmt="o", color=BLACK, ms=4, lw=1,
+        label="legs, less their zero",
+    )  # fmt: skip
+    for sign in (1, -1):
+        axes.axhline(sign * limit, color=GREY, lw=1, ls="--")
+    axes.set(xlabel="offset from the middle [m], starboard positive", ylabel="rudder that holds it [deg]")
+    axes.set_ylim(-1.2 * limit, 1.2 * limit)
+    axes.set_title(f"at {speed:.3g} m/s")
+    axes.grid(alpha=0.3)
+
+
+def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
+    """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (3, offsets)."""
+    rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
+    angles = rudder.transpose("place", "sample").to_numpy()
+    # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
+    beyond = np.where(y < 0, -np.inf, np.inf)[:, None]
+    return np.asarray(np.quantile(np.where(np.isnan(angles), beyond, angles), BAND, axis=1, method="higher"))
+
+
+def print_steady_fit(fit: SteadyFit) -> None:
+    columns = {**LEARNED, "information": "{verdict}"}
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", "information")))
+
+
+LEGS = {
+    "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
+    "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",
+    "drift to expect [deg]": "{drift_low:+.1f} to {drift_high:+.1f}",
+}  # fmt: skip
+
+
+def print_steady_plan(plan: SteadyPlan) -> None:
+    columns = LEGS | {f"std {name} then": f"{{std {name}:.2g}}" for name in plan.targets}
+    rows = [{"leg": number, **row} for number, row in enumerate(plan.rows(), start=1)]
+    print_result(plan, table_of(columns, rows) if plan.legs else None)
