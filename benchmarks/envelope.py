@@ -13,7 +13,7 @@ from scipy.optimize import root
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
 from narrows.model.tables import table_named
-from narrows.safety.held_trials import trials
+from narrows.safety.pilots import trials
 from narrows.safety.request import Disturbance
 from narrows.safety.settings import STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.waterway import Centreline, Waterway

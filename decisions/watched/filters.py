@@ -9,7 +9,7 @@ from narrows.estimation.filter_run import Start
 from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
 from narrows.estimation.ship_filter import sigma_point_weights
 from narrows.estimation.states import Gaussian
-from narrows.simulation.ship_lanes import ShipLanes
+from narrows.simulation.kernel_run import ShipLanes
 
 REFUSED, TINY = 1e12, 1e-12
 TURN = 2 * np.pi

@@ -10,8 +10,8 @@ import narrows as nw
 from narrows.control import PredictiveHelm
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
+from narrows.simulation.kernel_run import ActuatorRates
 from narrows.simulation.ship import SimulatedShip, steering_of
-from narrows.simulation.ship_lanes import ActuatorRates
 
 SPEED, HOLD = 1.0, 0.6
 STEPS = 4

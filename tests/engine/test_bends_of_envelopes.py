@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.safety.held_trials import trials
+from narrows.safety.pilots import trials
 from narrows.safety.request import Bend
 from narrows.waterway import Bank, Centreline, Waterway
 

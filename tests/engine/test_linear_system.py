@@ -222,8 +222,8 @@ def test_it_speaks_like_other_results(tmp_path) -> None:
     [
         ({"y": 9.0}, "has the hull in the bank"),
         ({"u": 0.0}, "needs a speed over 0"),
-        ({"u": "fast"}, "neither a finite number"),
-        ({"y": [[0.1]]}, "neither a finite number"),
+        ({"u": "fast"}, "is not a finite number"),
+        ({"y": [[0.1]]}, "has 2 dimensions"),
         ({"b_bnk": 1.0}, "has no 'b_bnk'"),
         ({"rudder": 0.1}, "the rudder .* is sought"),
         ({"at": 5.0}, "is a place along a waterway"),

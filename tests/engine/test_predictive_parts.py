@@ -16,16 +16,15 @@ from scipy.optimize import minimize
 import narrows as nw
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.linearization import LocalMotion, LocalWater, along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import (
     HELD,
+    Weights,
     margins_of,
     over_interval,
     regulator_of,
     update_push,
     water_ahead,
-    weights_of,
 )
 from narrows.control.predictive.planner import (
     QuadraticProgram,
@@ -34,6 +33,7 @@ from narrows.control.predictive.planner import (
     solve_program,
 )
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
+from narrows.control.steady_course import LocalMotion, LocalWater, along_line
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
 
@@ -146,7 +146,7 @@ def test_clearance_rows_hold_as_the_corners_are_clear() -> None:
 
 
 def test_the_cost_of_a_plan_is_the_sum_over_its_states() -> None:
-    weights, beyond = weights_of(DEFAULT_WEIGHTS, 2.0, 5.0), np.eye(5) + 0.3
+    weights, beyond = Weights.of(DEFAULT_WEIGHTS, 2.0, 5.0), np.eye(5) + 0.3
     off, G, rates, change = random((4, 5)), random((4, 5, 4)), random(4), random(4)
     G *= np.tri(4)[:, None, :]  # a rate changes later states alone
 
@@ -208,13 +208,13 @@ def test_a_program_without_numbers_or_without_an_answer_has_none() -> None:
 def test_weights_are_those_of_brysons_rule() -> None:
     """Two half beams of 2 m, 5 degrees, 10 degrees of rudder; those degrees in a tenth of the 5 s of a length."""
     chosen = RegulatorWeights(offset=2.0, heading_deg=5.0, rudder_deg=10.0, stroke_time=0.1)
-    weights = weights_of(chosen, 2.0, 5.0)
+    weights = Weights.of(chosen, 2.0, 5.0)
     np.testing.assert_allclose(weights.states, [1 / 16, (180 / (5 * np.pi)) ** 2, 0.0, 0.0, (180 / (10 * np.pi)) ** 2])
     assert weights.rate == pytest.approx((0.1 * 5.0 * 180 / (10 * np.pi)) ** 2)
 
 
 def test_gains_are_those_of_value_iteration() -> None:
-    A, weights = np.eye(5) + 0.05 * random((5, 5)), weights_of(DEFAULT_WEIGHTS, 1.0, 10.0)
+    A, weights = np.eye(5) + 0.05 * random((5, 5)), Weights.of(DEFAULT_WEIGHTS, 1.0, 10.0)
     A[4] = np.eye(5)[4]
     B = np.append(0.05 * random(4), 0.5)
     gains, cost = regulator_of(A, B, weights)
@@ -229,7 +229,7 @@ def test_gains_are_those_of_value_iteration() -> None:
 def test_a_rudder_that_drives_nothing_has_no_gains() -> None:
     A = np.diag([1.1, 1.0, 1.0, 1.0, 1.0])
     with pytest.raises(nw.InputError, match="has no effect"):
-        regulator_of(A, np.array([0.0, 0, 0, 0, 1.0]), weights_of(DEFAULT_WEIGHTS, 1.0, 10.0))
+        regulator_of(A, np.array([0.0, 0, 0, 0, 1.0]), Weights.of(DEFAULT_WEIGHTS, 1.0, 10.0))
 
 
 def test_a_steady_push_is_found_two_thirds_of_it_in_a_time_constant() -> None:

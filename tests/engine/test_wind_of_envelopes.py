@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 
 import narrows as nw
-from narrows.safety.held_trials import trials
+from narrows.safety.pilots import trials
 
 SPEEDS = np.array([3.0, 5.0])
 FORCE = nw.wind_force(10.0, 4000.0)

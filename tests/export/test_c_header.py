@@ -16,9 +16,8 @@ from exported import STEERED, TABLES, bent, model_of, speed_of, states
 
 import narrows as nw
 from narrows.codegen.choices import COLUMNS
-from narrows.simulation.channel import along_waterway
 from narrows.simulation.initial_state import POSE, initial_state
-from narrows.simulation.ship import SimulatedShip, steering_of
+from narrows.simulation.ship import SimulatedShip, along_waterway, steering_of
 from narrows.waterway.bank_clearance import exact_clearance
 
 pytestmark = needs_compiler

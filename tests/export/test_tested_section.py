@@ -21,7 +21,7 @@ from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
 from narrows.model.data_range import DataRange
 from narrows.model.water import speeds_afloat
-from narrows.simulation.channel import along_waterway
+from narrows.simulation.ship import along_waterway
 
 NODE, OCTAVE = shutil.which("node"), shutil.which("octave")
 SECTION = DataRange(width_to_beam=(11.5, 12.5), depth_to_draft=(1.0, 1.9))

@@ -15,8 +15,7 @@ from narrows.codegen.free_motion import STATE, solve_motion
 from narrows.codegen.system import System
 from narrows.codegen.trace import trace_of_terms
 from narrows.quantities import dimensions as dim
-from narrows.simulation.channel import along_waterway, straight_channel
-from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship import SimulatedShip, along_waterway, straight_channel
 
 PUSHED = Choices(pushed="always")
 

@@ -16,7 +16,7 @@ from narrows.base.files import to_json
 from narrows.base.results import BaseResult
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
 from narrows.estimation.consistency import sail_twins
-from narrows.simulation.ship_lanes import ShipLanes
+from narrows.simulation.kernel_run import ShipLanes
 
 ALL = (*SENSORS, RudderIndicator())
 

@@ -13,9 +13,8 @@ from narrows.codegen.lines import FUNCTIONS, Lines, real
 from narrows.codegen.printers.python import function_text
 from narrows.codegen.step import step_of
 from narrows.codegen.system import scalar_functions
-from narrows.simulation.channel import along_waterway
 from narrows.simulation.controllers import Autopilot, Zigzag
-from narrows.simulation.ship import SimulatedShip, steering_of
+from narrows.simulation.ship import SimulatedShip, along_waterway, steering_of
 
 A, B, C = (real(name) for name in "abc")
 SCALAR = scalar_functions(ROW)

@@ -17,7 +17,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.tables import table_named
 from narrows.safety.envelope import share_interval
 from narrows.safety.headline import crossing, largest_block, runs
-from narrows.safety.held_trials import trials
+from narrows.safety.pilots import trials
 from narrows.safety.request import Disturbance, keel_at
 from narrows.simulation.ship import SimulatedShip
 from pictures import assert_readable

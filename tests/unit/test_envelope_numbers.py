@@ -18,8 +18,16 @@ from narrows.safety.envelope import (
     choose_pilot,
     controllable_fraction,
 )
-from narrows.safety.held_trials import DeviationRecorder, _numbers
-from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, Pilot, regulator_of, whole_degrees
+from narrows.safety.pilots import (
+    PILOTS,
+    BestEstimateCourses,
+    DeviationRecorder,
+    Helmsman,
+    Pilot,
+    _numbers,
+    regulator_of,
+    whole_degrees,
+)
 from narrows.safety.request import (
     Bend,
     Disturbance,

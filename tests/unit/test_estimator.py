@@ -56,7 +56,7 @@ def estimator(*sensors: Any, **options: Any) -> Estimator:
 
 
 def lanes(count: int = 3, waterway: nw.Waterway | None = None) -> Any:
-    from narrows.simulation.ship_lanes import ShipLanes
+    from narrows.simulation.kernel_run import ShipLanes
 
     return ShipLanes(estimator().filter.ship, estimator().filter.states.names, count, waterway)
 

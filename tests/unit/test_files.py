@@ -242,7 +242,7 @@ def test_streams_are_told_from_files(tmp_path: Path) -> None:
     assert [is_stream(path) for path in (tmp_path, tmp_path / "file", tmp_path / "absent", "\0")] == [False] * 4
 
 
-ELSEWHERE = {"assembly.py", "cache.py", "fmu.py", "ship_files.py", "store.py"}
+ELSEWHERE = {"assembly.py", "cache.py", "fmu.py", "ship_files.py", "grid.py"}
 """Writers of what no user names a file for: the cache, the folders of stores, an archive in memory,
 sources that a compiler is given."""
 WRITING = re.compile(

@@ -15,12 +15,11 @@ from dop853 import integrated
 from engine_models import ACTUATED, TABLES, bent, model_of
 from narrows.codegen.compilation import optimised
 from narrows.simulation import outcome as end
-from narrows.simulation.channel import along_waterway, straight_channel
 from narrows.simulation.controllers import Autopilot, Zigzag
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun, PreparedRun
 from narrows.simulation.outcome import Code
-from narrows.simulation.ship import SimulatedShip, steering_of
+from narrows.simulation.ship import SimulatedShip, along_waterway, steering_of, straight_channel
 from narrows.waterway import Waterway
 
 DTC = nw.published("mikkelsen2025_dtc")

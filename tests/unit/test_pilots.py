@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.control.linearization import linearize
 from narrows.control.regulator import (
     DEFAULT_WEIGHTS,
     RegulatorWeights,
@@ -21,12 +20,11 @@ from narrows.control.regulator import (
     regulator_gains,
     stacked_gains,
 )
-from narrows.control.steady_course import solve_courses
+from narrows.control.steady_course import linearize, solve_courses
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
-from narrows.safety.held_trials import trials
-from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, whole_degrees
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, trials, whole_degrees
 from narrows.safety.request import Disturbance, envelope_request, keel_at
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import narrows as nw
-from narrows.simulation import store
+from narrows.simulation import grid as store
 
 pytest.importorskip("zarr", reason="stores need the cluster extra")
 pytestmark = pytest.mark.filterwarnings("ignore")
@@ -89,7 +89,7 @@ import os, random, signal, sys, time
 from pathlib import Path
 import numpy as np
 import narrows as nw
-from narrows.simulation import store
+from narrows.simulation import grid as store
 
 store.TASK_VESSELS = 64
 model, folder = nw.published("mikkelsen2025_dtc"), Path(sys.argv[1])
@@ -159,7 +159,7 @@ def test_what_stands_there_already(held: str, dtc: nw.Model, tmp_path: Path) -> 
 
 
 @pytest.mark.usefixtures("small")
-@pytest.mark.parametrize("name", ["store.os.replace", "store._write_empty", "store.run_block"])
+@pytest.mark.parametrize("name", ["grid.os.replace", "grid._write_empty", "grid.run_block"])
 def test_a_disk_that_is_full_is_said(name: str, dtc: nw.Model, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full(*_: object, **__: object) -> None:
         raise OSError(28, "No space left on device")

@@ -8,7 +8,6 @@ from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.design import RegulatorDesign as RegulatorDesign
 from narrows.control.design import design as design
 from narrows.control.linear_system import LinearSystem as LinearSystem
-from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import HeldLine as HeldLine
 from narrows.control.regulator import Regulator as Regulator
@@ -17,6 +16,7 @@ from narrows.control.regulator import lqr as lqr
 from narrows.control.regulator import regulator as regulator
 from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
+from narrows.control.steady_course import linearize as linearize
 from narrows.control.steady_course import steady_course as steady_course
 from narrows.simulation.initial_state import self_propulsion as self_propulsion
 

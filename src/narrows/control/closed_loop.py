@@ -17,15 +17,13 @@ from narrows.codegen.choices import COUNTED, TIME, WATER
 from narrows.control import settings
 from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
-from narrows.control.linearization import linearize
 from narrows.control.predictive.course_ahead import water_ahead
-from narrows.control.steady_course import check_rudder
+from narrows.control.steady_course import check_rudder, linearize
 from narrows.model.model import Model
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named, Order, VoyageState
-from narrows.simulation.initial_state import initial_state
+from narrows.simulation.initial_state import VoyageIntegrator, initial_state
 from narrows.simulation.inputs import check_waterway, finite_numbers
-from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import MEMORY, PARAMETER, WATER_PREFIX, SimulatedShip, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -99,10 +97,8 @@ class ClosedLoop(BaseSummary):
     def _opened(self) -> tuple[VoyageIntegrator, dict[str, float]]:
         """The integrator of the opened loop, and its state on the steady course."""
         if not isinstance(self.controller, ControlLaw):
-            raise InputError(
-                f"a {type(self.controller).__name__} is no law in arithmetic, so its loop has no matrices: simulate it "
-                "with a gear of more dead_time"
-            )
+            what = f"a {type(self.controller).__name__} is no law in arithmetic"
+            raise InputError(f"{what}, so its loop has no matrices: simulate it with a gear of more dead_time")
         ship = SimulatedShip(self.model)
         steering = steering_of(OpenedLaw(self.controller), ship.actuators)
         numbers = {"x": self.x, "y": self.y, "u": self.u, **self.course}
@@ -141,10 +137,8 @@ class ClosedLoop(BaseSummary):
             if np.abs(off / sizes[:-1]).max() < settings.SAME_STATE:
                 return A, B, C
             both[:-1] += np.linalg.lstsq(np.eye(len(off)) - A - B @ C, off, rcond=None)[0]
-        raise InputError(
-            f"the {type(self.controller).__name__} does not keep this ship on a steady course {self.y:g} m off the "
-            f"middle at {self.u:g} m/s, so there is nothing to linearise about; choose another, or simulate it"
-        )
+        where = f"{self.y:g} m off the middle at {self.u:g} m/s; choose another, or simulate it"
+        raise InputError(f"the {type(self.controller).__name__} does not keep this ship on a steady course {where}")
 
     def state_space(self, opened: bool = False) -> Any:
         """Return the loop as a discrete state space of python-control, at its time step.
@@ -176,8 +170,7 @@ class ClosedLoop(BaseSummary):
         """Return the stability margins of the loop, broken at the rudder order.
 
         ``gain`` and ``gain_down`` [1]: factors of the order; ``phase_deg`` [deg]; ``delay`` [s]: a further delay of the
-        order; ``distance`` [1]: the least distance from -1 of the Nyquist curve, and ``sensitivity_peak`` [1], its
-        inverse.
+        order; ``distance`` [1]: the least distance of the Nyquist curve from -1; ``sensitivity_peak`` [1], its inverse.
         """
         A, B, C = self._matrices
         poles = self.poles()
@@ -206,16 +199,13 @@ def closed_loop(
 
     Parameters
     ----------
-    model : Model
-        The ship, with terms of a rudder.
+    model, gear : Model, SteeringGear, optional
+        The ship, with terms of a rudder, and another gear than its own.
     controller : ControlLaw or Controller
         A regulator, a predictive helm, a law or a function of your own.
-    gear : SteeringGear, optional
-        Default: the model's own.
-    sensors : sequence of Sensor
-        Sensors of the controller; without any it gets the true state.
-    estimator : Estimator, optional
-        Estimates the state from the readings; default ``Estimator(model, sensors)``.
+    sensors, estimator : sequence of Sensor, Estimator, optional
+        Sensors of the controller, and what estimates the state from their readings, by default ``Estimator(model,
+        sensors)``; without sensors the controller gets the true state.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     y, u : float, optional

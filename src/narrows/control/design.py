@@ -15,7 +15,6 @@ from narrows.base.progress import bar
 from narrows.base.results import BaseSummary
 from narrows.codegen.free_motion import INPUTS
 from narrows.control import settings
-from narrows.control.linearization import linearize
 from narrows.control.regulator import (
     DEFAULT_WEIGHTS,
     FEEDBACK,
@@ -27,7 +26,7 @@ from narrows.control.regulator import (
     regulator_gains,
 )
 from narrows.control.settings import TRIAL_LENGTHS, TRIAL_STEPS
-from narrows.control.steady_course import check_rudder
+from narrows.control.steady_course import check_rudder, linearize
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum
 from narrows.ship.actuators import SteeringGear
@@ -75,11 +74,8 @@ class SeenWithNoise:
     late: Any  # Time from which the offset counts [s]
 
     def parameters(self) -> Mapping[str, Any]:
-        return {
-            **self.law.parameters(),
-            **{f"noise_of_{n}": self.noise[n] for n in FEEDBACK[:4]},
-            "late_from": self.late,
-        }
+        noise = {f"noise_of_{name}": self.noise[name] for name in FEEDBACK[:4]}
+        return {**self.law.parameters(), **noise, "late_from": self.late}
 
     def memory(self, start: Named) -> Named:
         chaos = {f"chaos_{name}": 0.4 for name in FEEDBACK[:4]}
@@ -117,9 +113,8 @@ class DesignTrials:
         sway, turn = settings.TRIAL_NOISE
         defaults = {"y": sway * hull.beam, "psi": turn, "v": turn * u, "r": turn / self.time}
         lines = [held_line(model, system) for system in self.systems]
-        held, rudder, course, drift = (
-            self._each([getattr(line, name) for line in lines]) for name in ("y", "rudder", "psi", "v")
-        )
+        names = "y", "rudder", "psi", "v"
+        held, rudder, course, drift = (self._each([getattr(line, name) for line in lines]) for name in names)
         # Each trial sets the gains and the time of unwinding.
         line = HeldLine(held, (0.0,) * len(FEEDBACK), rudder, course, drift)
         law = Regulator((line,), u, settings.LEAD_TIME * self.time, self.time)
@@ -219,26 +214,21 @@ def design(
 
     Ships with coefficients from the model's covariance sail four scenes: an offset, a receding bank, gusts, and both
     far off the centreline. A ship is lost if it meets a bank, or if it is still half a beam off its line at the end.
-    The objective is the share of lost ships, plus small shares for the late offset and the rudder travel. The result is
-    tested on other ships.
+    The objective is the share of lost ships, plus small shares for late offset and rudder travel; other ships test it.
 
     Source: Nelder and Mead (1965), A simplex method for function minimization, The Computer Journal 7(4), 308-313.
 
     Parameters
     ----------
-    model : Model
-        A model with terms of a rudder and the covariance of its coefficients.
+    model, gear : Model, SteeringGear, optional
+        A model with terms of a rudder and the covariance of its coefficients; another gear than its own.
     y, u : float
         Offset to hold, to starboard of the centreline [m], and surge velocity through the water [m/s].
-    gear : SteeringGear, optional
-        Steering gear; the model's own unless given.
     noise : mapping of str to float, optional
         Standard deviations of the regulator's readings: y [m], psi [rad], v [m/s], r [rad/s].
-    ships, rounds, seed : int
+    ships, rounds, seed, progress : int, int, int, bool
         Number of ships for tuning (ten times as many are used for testing), rounds of the search of twelve designs
-        each, seed of all random numbers.
-    progress : bool
-        Show a bar on stderr.
+        each, seed of all random numbers, a bar on stderr.
     """
     check_rudder(model)
     if model.covariance is None:

@@ -197,10 +197,7 @@ class LinearSystem(BaseResult):
         values, lead = self.eigenvalues(), self.varied
         columns = {"of_state": self.states, "control": self.controls, "disturbance": self.disturbances}
         data = {n: (lead, column, {"units": UNITS.get(n, "")}) for n, column in self.course.items() if n not in lead}
-        data |= {
-            name: ((*lead, "state", column), getattr(self, name), {})
-            for name, column in zip("ABG", columns, strict=True)
-        }
+        data |= {n: ((*lead, "state", column), getattr(self, n), {}) for n, column in zip("ABG", columns, strict=True)}
         modes = {"growth": values.real, "angular_frequency": values.imag}
         data |= {name: ((*lead, "mode"), part, {"units": "1/s"}) for name, part in modes.items()}
         labels: dict[str, Any] = {"state": list(self.states)} | {name: list(names) for name, names in columns.items()}

@@ -15,8 +15,7 @@ from narrows.base.results import BaseSummary
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
 from narrows.control.linear_system import LinearSystem
-from narrows.control.linearization import linearize
-from narrows.control.steady_course import check_holds, check_rudder
+from narrows.control.steady_course import check_holds, check_rudder, linearize
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Named
@@ -79,9 +78,7 @@ class HeldLine:
 
     def __post_init__(self) -> None:
         if len(self.gains) != len(FEEDBACK) or len(self.turning) != len(TURNED):
-            raise InputError(
-                f"a regulator has gains for {', '.join(FEEDBACK)} and turns of {', '.join(TURNED)}; give each"
-            )
+            raise InputError(f"a regulator has gains of {', '.join(FEEDBACK)}, turns of {', '.join(TURNED)}; give each")
 
     def numbers(self) -> dict[str, Any]:
         held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
@@ -108,7 +105,7 @@ class Regulator(BaseSummary):
         starts = [line.start for line in self.lines]
         if not starts or any(after <= before for before, after in pairwise(starts)):
             raise InputError(
-                "a regulator holds one line or more, each from a later time or place than the one before; give them"
+                "a regulator holds one line or more, each from a later time or place than the last; give them"
             )
         own = [self.u, self.lead, self.unwinding, self.integral, *starts]
         numbers = [*own, *(number for line in self.lines for number in line.numbers().values())]
@@ -177,12 +174,10 @@ def regulator(
 
     Parameters
     ----------
-    model : Model
-        A model with terms of a rudder.
+    model, u : Model, float [m/s]
+        A model with terms of a rudder; its surge velocity through the water.
     y : float or pairs (time [s], offset [m])
         Offset to starboard of the canal's centreline or of the waterway's line; each pair holds from its time on.
-    u : float [m/s]
-        Surge velocity through the water.
     waterway, at : Waterway, float or sequence of float [m], optional
         Waterway instead of the model's own canal, and the place along it for which the gains are computed; with
         several, rising, each holds from its place on.
@@ -313,19 +308,14 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
 
     Source: Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
 
-    Raises an InputError if a linear system is given with a course, weights have the wrong shape, or no gains hold the
-    ship.
-
     Parameters
     ----------
-    linear : LinearSystem or Model
-        Linear system about one course, for a model the one of ``linearize()``.
+    linear, **course : LinearSystem or Model, float
+        Linear system about one course, or a model with ``y`` [m], ``u`` [m/s] ... as for ``linearize``.
     Q, R : arrays
         Weights of ``linear.states`` and of the controls: matrices, their diagonals, or a number for each.
     *controls : str
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
-    **course : float
-        For a model, its ``y`` [m], ``u`` [m/s] ... as for ``linearize``.
     """
     if not isinstance(linear, LinearSystem) and not hasattr(linear, "linearize"):
         raise InputError(f"linear = {shown(linear)} is neither a linear system nor a model; give one")

@@ -6,8 +6,7 @@ import numpy as np
 LEAD_TIME = 0.45
 # Lowest speed relative to a regulator's design speed, below which its gains stay constant [1].
 SLOWEST = 0.05
-# Least decay rate of the slowest motion relative to the fastest that counts as stable [1]: rounding moves poles by
-# less.
+# Least decay rate of the slowest motion over the fastest that counts as stable [1]: rounding moves poles by less.
 LEAST_DECAY = 1e-7
 # Deceleration of a speed plan relative to that with the propeller stopped [1].
 EASE = 0.5
@@ -15,8 +14,7 @@ EASE = 0.5
 ENGINE_RESERVE = 1.5
 # Time constant of the speed governor's integral.
 GOVERNOR_TIME = 3.0
-# Predictive helm: horizon of a plan [ship lengths], its default number of intervals, the largest number, and plans per
-# interval.
+# Predictive helm: horizon of a plan [ship lengths], number of intervals, its largest number, and plans per interval.
 HORIZON_LENGTHS = 2.4
 INTERVALS, MOST_INTERVALS, PLANS_AN_INTERVAL = 30, 60, 5
 # Rounds of sequential quadratic programming for a first plan, and iterations of each program.
@@ -31,8 +29,7 @@ MARGIN = 0.15
 SHORT, SHORT_SQUARED = 50.0, 10.0
 # Clearance beyond the margin above which a corner needs no constraint [half beams]: less is used up between plans.
 FREE_CLEARANCE = 4.0
-# Limits of linearising a plan: heading [rad], clearance [half beams], sway over speed, yaw over speed by half length
-# [1].
+# Limits of linearising a plan: heading [rad], clearance [half beams]; sway, and yaw by half length, over speed [1].
 MOST_HEADING = np.radians(25.0)
 LEAST_CLEARANCE, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
 # Share of the rudder's limit that holding an offset may take [1]: beyond it the helm moves towards the middle. It takes
@@ -50,11 +47,9 @@ FREQUENCIES = 3000
 NEWTON_ROUNDS, SAME_STATE = 20, 1e-9
 # Default duration of a voyage [ship lengths].
 LOOP_DURATION = 40.0
-# Trials of a regulator design: length [ship lengths], its last part in which the offset counts, and steps per ship
-# length.
+# Trials of a regulator design: length [ship lengths], its last part in which the offset counts, steps per length.
 TRIAL_LENGTHS, LATE_LENGTHS, TRIAL_STEPS = 11.7, 1.2, 50
-# Standard deviations of the regulator's readings: offset [beams]; heading [rad], also as a share of the speed for sway
-# velocity and of a turn a ship length for yaw rate.
+# Standard deviations of readings: offset [beams]; heading [rad], also the share of speed in sway and of turn in yaw.
 TRIAL_NOISE = 0.01, np.radians(0.1)
 # Standard deviation of the heading at the start [rad].
 TRIAL_HEADING = np.radians(1.0)

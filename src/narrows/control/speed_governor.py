@@ -11,7 +11,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.results import BaseSummary
 from narrows.control import settings
-from narrows.control.linearization import linearize
+from narrows.control.steady_course import linearize
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.quantities.names import Number
@@ -83,17 +83,14 @@ def speed_governor(
     """Return a governor that keeps a ship's speed to limits along its way and decelerates in time.
 
     Speed and revolutions are those of a ship straight ahead in the model's own water; the governor corrects for the
-    resistance of a section, a bend or a rudder. The distance for braking is that of still water: with a current from
-    astern begin earlier.
+    resistance of a section, a bend or a rudder. Braking is that of still water: with a current from astern begin early.
 
     Source: Åström and Hägglund (2006), Advanced PID Control, for pole placement and conditional integration.
 
     Parameters
     ----------
-    model : Model
-        A model with terms of a propeller and a rudder.
-    helm : ControlLaw
-        Controls the rudder, such as a ``regulator``.
+    model, helm : Model, ControlLaw
+        A model with terms of a propeller and a rudder, and what controls the rudder, such as a ``regulator``.
     limits : sequence of pairs (x [m], speed [m/s])
         Limits through the water, each from its place along the way on; the first also holds before it.
     deceleration : float [m/s2], optional
@@ -107,10 +104,8 @@ def speed_governor(
     coasting = -float(derivative(model, {"u": slowest}, surge="free", revolutions=0.0)[3])
     rate = settings.EASE * coasting if deceleration is None else deceleration
     if not 0 < rate <= coasting:
-        raise InputError(
-            f"deceleration = {rate:g} m/s2: give more than 0 and at most the {coasting:.3g} that this ship loses at "
-            f"{slowest:g} m/s with its propeller stopped, or leave it out"
-        )
+        most_of = f"the {coasting:.3g} that this ship loses at {slowest:g} m/s with its propeller stopped"
+        raise InputError(f"deceleration = {rate:g} m/s2: give more than 0 and at most {most_of}, or leave it out")
     most = settings.ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
     # Proportional and integral gain by pole placement, and revolutions per surge acceleration.
     linear = linearize(model, u=slowest, surge="free")

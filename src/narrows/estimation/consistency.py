@@ -24,7 +24,7 @@ from narrows.quantities.names import GRAVITY
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
 from narrows.simulation.inputs import check_steps
-from narrows.simulation.ship_lanes import RUDDER, ShipLanes
+from narrows.simulation.kernel_run import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -31,7 +31,7 @@ from narrows.estimation.states import Estimate, EstimatedTrack, Gaussian, Prior,
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.ship.checks import is_finite
-from narrows.simulation.ship_lanes import RUDDER
+from narrows.simulation.kernel_run import RUDDER
 
 if TYPE_CHECKING:
     import pandas as pd

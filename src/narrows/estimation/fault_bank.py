@@ -17,7 +17,7 @@ from typing import NamedTuple
 from narrows.estimation import settings
 from narrows.estimation.filter_run import FilterRun, Moment, Readings, Start, replay
 from narrows.estimation.ship_filter import MODEL, ShipFilter
-from narrows.simulation.ship_lanes import RUDDER
+from narrows.simulation.kernel_run import RUDDER
 
 Faults = frozenset[str]
 

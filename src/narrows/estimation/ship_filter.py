@@ -28,8 +28,8 @@ from narrows.estimation.states import (
 )
 from narrows.model.model import Model
 from narrows.ship.checks import check_sizes
+from narrows.simulation.kernel_run import RUDDER, ShipLanes
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

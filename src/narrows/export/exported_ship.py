@@ -27,9 +27,8 @@ from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
-from narrows.simulation.channel import Channel, limits_of
 from narrows.simulation.settings import NEAR_THE_BANK
-from narrows.simulation.ship import SimulatedShip, Steering, steering_of
+from narrows.simulation.ship import Channel, SimulatedShip, Steering, limits_of, steering_of
 from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:

@@ -101,9 +101,8 @@ class OutsideRules(Tabulated):
             width = (row["lane"] + added + 2 * row[self.bank]) * self.beam
             port, starboard = width / 2 - self.wall_port, self.wall_starboard - width / 2
             offsets = {"port": port, "starboard": starboard} if port <= starboard else {}
-            limits.append(
-                {"slowest": row.get("slowest", 0.0), "fastest": row.get("fastest"), "width": width, **offsets}
-            )
+            ends = {"slowest": row.get("slowest", 0.0), "fastest": row.get("fastest")}
+            limits.append({**ends, "width": width, **offsets})
         return limits or [{}] * (not rule.speeds)
 
 
@@ -118,10 +117,8 @@ def outside_rules(
 
     Parameters
     ----------
-    configuration : Configuration
-        Ship and canal.
-    bank : str
-        Kind of bank: ``gentle``, ``sloping`` or ``steep``; the walls of a canal are steep.
+    configuration, bank : Configuration, str
+        Ship and canal; kind of bank, ``gentle``, ``sloping`` or ``steep``, as the walls of a canal are.
     walls : pair of float [m], optional
         Distances from the middle to where the keel meets the banks, port and starboard; default: the canal's walls.
 
@@ -134,9 +131,8 @@ def outside_rules(
     check_choice("bank", bank, BANKS)
     ship, canal = configuration.ship, configuration.canal
     depth, choke = (math.nan, math.inf) if canal.depth is None else (canal.depth, choke_speed(configuration))
-    return OutsideRules(
-        ship.length, ship.beam, ship.draft, depth, bank, *(walls or (canal.width / 2, canal.width / 2)), choke
-    )
+    port, starboard = walls or (canal.width / 2, canal.width / 2)
+    return OutsideRules(ship.length, ship.beam, ship.draft, depth, bank, port, starboard, choke)
 
 
 def _sentence(row: dict[str, Any]) -> str:

@@ -10,12 +10,11 @@ import xarray as xr
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice
-from narrows.control.steady_course import check_rudder, with_propulsion
+from narrows.control.steady_course import check_rudder, revolutions_ahead
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.channel_rules import BANKS
-from narrows.safety.held_trials import trials
-from narrows.safety.pilots import PILOTS, Pilot
+from narrows.safety.pilots import PILOTS, Pilot, trials
 from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
 from narrows.safety.result import MEDIAN, SafeEnvelope, data_coverage, with_caveats
 from narrows.simulation.inputs import check_workers, finite_numbers
@@ -36,44 +35,34 @@ def safe_envelope(
     it against disturbances, the keel is clear and the canal is not choked. The result also shows where a pilot with the
     true coefficients holds it. Coefficients are drawn from the covariance of the fit.
 
-    Raises an InputError if the model has no rudder, no speed is known, a number is out of range, or a bank or pilot is
-    unknown.
+    Raises an InputError if the model has no rudder, no speed or bank or pilot is known, or a number is out of range.
 
     Parameters
     ----------
     model : Model
         A model at the ship's own size, with the terms of a rudder.
-    y : array (offsets,) [m], optional
-        Offsets to starboard of the middle; default: up to half a beam from either bank.
-    u : array (speeds,) [m/s], optional
-        Speeds through the water; default: to a little over the choking speed.
+    y, u : array (offsets,) [m], array (speeds,) [m/s], optional
+        Offsets to starboard of the middle, by default up to half a beam from either bank; speeds through the water, by
+        default to a little over the choking speed.
     disturbance : Disturbance, optional
         Initial deviations and gusts.
-    reserve : float [1]
-        Share of the rudder left on the steady course.
-    keel : float [m], optional
-        Least clearance under the keel; a twentieth of the draft unless given.
+    reserve, keel : float [1], float [m], optional
+        Share of the rudder left on the steady course; least clearance under the keel, default a twentieth of the draft.
     most_revolutions : float [1/s], optional
         Limit of the engine, for a model with a propeller: it limits the speed.
-    samples : int
+    samples, seed : int
         Number of samples of coefficients and disturbances; the answer names what they leave uncertain.
-    seed : int
-        Seed of the samples.
     walls : pair of float [m], optional
         Places where the keel meets the banks, to port and to starboard of the middle; default: the canal's walls.
     bank : str
         Kind of bank for the comparison with outside rules: ``gentle``, ``sloping`` or ``steep``.
     controller : str
-        Pilot without the true coefficients: ``regulator``, or ``human``, a helmsman with delay, whole degrees and a
-        limit.
-    curvature : float [1/m]
-        Curvature of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
-    current : float [m/s]
-        Along the canal, with the ship.
-    workers : int, optional
-        Threads; all cores unless given.
-    progress : bool
-        Show a bar.
+        Pilot without the true coefficients: ``regulator``, or ``human``, with delay, whole degrees and a limit.
+    curvature, current : float [1/m], float [m/s]
+        Curvature of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it; the
+        current along it, with the ship.
+    workers, progress : int, bool
+        As for ``ensemble``.
     """
     check_rudder(model)
     check_workers(workers)
@@ -95,10 +84,8 @@ def safe_envelope(
     likely = tried
     if model.covariance is not None:
         likely = try_more(replace(model, covariance=None), samples=settings.LIKELY_SAMPLES, seed=seed)
-    found = {
-        **controllable_fraction(tried, request.rudder_limit),
-        **best_estimate_fraction(likely, request.rudder_limit),
-    }
+    limit = request.rudder_limit
+    found = {**controllable_fraction(tried, limit), **best_estimate_fraction(likely, limit)}
     data = xr.Dataset(found).transpose("y", "u").assign(bounds.data_vars)
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
     return with_caveats(data, request, under, tried.sizes["sample"])
@@ -106,8 +93,12 @@ def safe_envelope(
 
 def bounds_of(request: EnvelopeRequest, under: Keel) -> xr.Dataset:
     """Return the clearance of the keel, where the engine reaches the revolutions, where all is clear, and the tests."""
-    model, speeds = request.model, request.speeds
-    driven = _driven(model, speeds, request.most_revolutions)
+    model, speeds, most = request.model, request.speeds, request.most_revolutions
+    if most is not None and not model.terms.propelled:
+        raise InputError(f"most_revolutions = {most} 1/s, but this model has no terms of a propeller; leave it out")
+    if most is not None and not 0 < most < math.inf:
+        raise InputError(f"most_revolutions = {most} 1/s drive no ship; give a number over 0")
+    driven = np.ones(len(speeds), bool) if most is None else revolutions_ahead(model, speeds) <= most
     floating = (under.clearance >= request.clearance) | (model.configuration.canal.depth is None)
     return xr.Dataset({
         "clearance": ("u", under.clearance, {"units": "m"}),
@@ -115,18 +106,6 @@ def bounds_of(request: EnvelopeRequest, under: Keel) -> xr.Dataset:
         "driven": ("u", driven),
         "tested": (("y", "u"), data_coverage(model, request.offsets, speeds)),
     })  # fmt: skip
-
-
-def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
-    """Return whether the engine reaches the revolutions of each speed; true if its limit is unknown."""
-    if most is None:
-        return np.ones(len(speeds), bool)
-    if not model.terms.propelled:
-        raise InputError(f"most_revolutions = {most} 1/s, but this model has no terms of a propeller; leave it out")
-    if not 0 < most < math.inf:
-        raise InputError(f"most_revolutions = {most} 1/s drive no ship; give a number over 0")
-    asked: object = with_propulsion(model, {"u": speeds})["revolutions"]
-    return np.asarray(asked, float) <= most
 
 
 def choose_pilot(
@@ -141,17 +120,16 @@ def choose_pilot(
     speeds = open_to[_spread(len(open_to), settings.TUNING_SPEEDS)]
     offsets = _spread(len(request.offsets), settings.TUNING_OFFSETS)
     other_seed = int(np.random.SeedSequence((abs(seed), settings.TUNING_SEED)).generate_state(1)[0])
-    shares = []
-    tunings = [replace(pilot, tunings=(tuning,)) for tuning in pilot.tunings]
-    for tuned in tunings:
+
+    def share(tuned: Pilot) -> float:
         tried = trials(
             request.model, request.offsets[offsets], request.speeds[speeds], heave[speeds],
             request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, tuned,
             bend=request.bend, knowing=False, workers=workers,
         )  # fmt: skip
-        safe = (np.abs(tried["rudder"]) <= request.rudder_limit) & tried["held"]
-        shares.append(float(safe.mean()))
-    return tunings[int(np.argmax(shares))]
+        return float(safely(tried, request.rudder_limit, "held").mean())
+
+    return max((replace(pilot, tunings=(tuning,)) for tuning in pilot.tunings), key=share)
 
 
 def _spread(size: int, most: int) -> np.ndarray:
@@ -176,10 +154,8 @@ def controllable_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataA
         "rudder_high": _quantile(filled, settings.SURE_SHARE, "higher"),
         "rudder_95": _quantile(np.abs(rudder).fillna(np.inf), settings.SURE_SHARE, "higher"),
     }
-    return {
-        name: column.assign_attrs(units=unit)
-        for columns, unit in ((angles, "rad"), (shares, "1")) for name, column in columns.items()
-    }  # fmt: skip
+    units = {**dict.fromkeys(angles, "rad"), **dict.fromkeys(shares, "1")}
+    return {name: column.assign_attrs(units=units[name]) for name, column in {**angles, **shares}.items()}
 
 
 def _quantile(values: xr.DataArray, share: float, method: Any) -> xr.DataArray:

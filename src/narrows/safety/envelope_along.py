@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -85,23 +85,18 @@ class EnvelopeAlong(BaseResult):
         return found.assign_attrs(summary=self.summary(), notes="\n".join(self.notes))
 
     def summary(self) -> str:
-        rows, top = self.rows(), "highest_speed"
-        tested = {row["distance"]: row[top] for row in rows if not math.isnan(row[top])}
-        others = {row["distance"]: row[f"{top}_by_model"] for row in rows if row["distance"] not in tested}
-        by_model = {place: speed for place, speed in others.items() if not math.isnan(speed)}
-        nowhere = ", ".join(f"{place:.0f}" for place in others if place not in by_model)
-        sentences = [
-            *estimated(self.envelopes[0].data),
-            f"Along {self.waterway.name}, {len(rows)} places: safe with 95 % probability at {len(tested)} of them"
-            f"{_ends(tested)}.",
-        ]
-        if by_model:
+        rows = self.to_dataframe()
+        tested = rows["highest_speed"].dropna()
+        others = rows["highest_speed_by_model"].drop(tested.index)
+        by_model, nowhere = others.dropna(), ", ".join(f"{place:.0f}" for place in others.index[others.isna()])
+        where, many = f"Along {self.waterway.name}, {len(rows)} places", f"{len(tested)} of them{_ends(tested)}"
+        sentences = [*estimated(self.envelopes[0].data), f"{where}: safe with 95 % probability at {many}."]
+        if len(by_model):
             more = f"at {len(by_model)} more{_ends(by_model)}"
             sentences.append(f"By the model alone, which was not tested there, {more}.")
-        if nowhere:
-            sentences.append(f"No speed and offset is safe at {nowhere} m.")
-        untested = f"Not tested: {self.untested}." if self.untested else ""
-        return " ".join(filter(None, (*sentences, untested, *dict.fromkeys(one.trust for one in self.envelopes))))
+        sentences += [f"No speed and offset is safe at {nowhere} m."] * bool(nowhere)
+        sentences += [f"Not tested: {self.untested}."] * bool(self.untested)
+        return " ".join(filter(None, (*sentences, *dict.fromkeys(one.trust for one in self.envelopes))))
 
     def to_dict(self) -> dict[str, Any]:
         first = self.envelopes[0]
@@ -120,17 +115,12 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
     it has nine offsets, nine speeds and those where the tests end. The answer of each of the ``envelopes`` names what
     the number of samples leaves uncertain; the summary does not.
 
-    Raises an InputError if a place is not on the waterway or they do not rise, the ship does not fit, or an option is
-    impossible.
+    Raises an InputError if places are not on the waterway or do not rise, or the ship or an option does not fit.
 
     Parameters
     ----------
-    model : Model
-        A model at the ship's own size, with the terms of a rudder.
-    waterway : Waterway
-        The waterway.
-    places : sequence of float [m]
-        Places along it, rising.
+    model, waterway, places : Model, Waterway, sequence of float [m]
+        A model at the ship's own size, with the terms of a rudder; rising places along the waterway.
     **envelope : Any
         Options of ``safe_envelope``; offsets are from the middle of each section.
     """
@@ -142,18 +132,19 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
         raise InputError(f"a place is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose places on it")
     tightest = _tightest(model.configuration.ship, waterway, along)
     reaches = [reach_at(model, waterway, place) for place in tightest.tolist()]
-    water, known = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope]()
-    for reach in reaches:  # A canal of one section has one envelope.
-        if (key := _section(reach)) not in known:
-            options = {**reach.asked, **envelope}
+    water, known, found = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope](), []
+    for there, _, asked in reaches:  # A canal of one section, bend and current (to nine digits) has one envelope.
+        canal, options = there.configuration.canal, {**asked, **envelope}
+        numbers = canal.width, canal.depth or math.nan, *asked["walls"], asked["curvature"], asked["current"]
+        if (key := tuple(f"{number:.9g}" for number in numbers)) not in known:
             if options.get("y") is None:
-                options["y"] = default_offsets(reach.model, options["walls"], settings.ALONG_OFFSETS)
+                options["y"] = default_offsets(there, options["walls"], settings.ALONG_OFFSETS)
             if options.get("u") is None:
-                options["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
-            known[key] = noting(safe_envelope(reach.model, **options), *water)
-    found = tuple(known[_section(reach)] for reach in reaches)
+                options["u"] = default_speeds(there, settings.ALONG_SPEEDS)
+            known[key] = noting(safe_envelope(there, **options), *water)
+        found.append(known[key])
     middles, draft = np.array([reach.middle for reach in reaches]), model.configuration.ship.draft
-    return EnvelopeAlong(waterway, draft, along, tightest, middles, found)
+    return EnvelopeAlong(waterway, draft, along, tightest, middles, tuple(found))
 
 
 def _edges(waterway: "Waterway", places: np.ndarray) -> np.ndarray:
@@ -184,17 +175,8 @@ def _tightest(ship: Ship, waterway: "Waterway", places: np.ndarray) -> np.ndarra
     return np.array(found)
 
 
-def _section(reach: "Reach") -> tuple[Any, ...]:
-    """The section, bend and current of a place, to nine digits."""
-    canal, asked = reach.model.configuration.canal, reach.asked
-    return tuple(f"{number:.9g}" for number in (
-        canal.width, canal.depth or math.nan, *asked["walls"], asked["curvature"], asked["current"],
-    ))  # fmt: skip
-
-
 def _row(place: float, computed_at: float, middle: float, envelope: SafeEnvelope) -> dict[str, Any]:
-    port, starboard = envelope.walls
-    tops = envelope.limited_by()
+    (port, starboard), tops = envelope.walls, envelope.limited_by()
     return {
         "distance": place, "computed_at": computed_at, "port_bank": middle - port, "starboard_bank": middle + starboard,
         **_reach(envelope, envelope.safe(), middle), **_reach(envelope, envelope.by_model(), middle, "_by_model"),
@@ -207,8 +189,7 @@ def _reach(envelope: SafeEnvelope, safe: xr.DataArray, middle: float, suffix: st
     table, u = safe.transpose("y", "u").to_numpy(), safe["u"].to_numpy() / KNOT
     speeds = [(float(u[run[1]]), float(u[run[0]])) for row in table for run in runs(row)[:1]]
     highest, lowest = max(speeds, default=(math.nan, math.nan))
-    data = envelope.data.transpose("y", "u", ...)
-    wide = []
+    data, wide = envelope.data.transpose("y", "u", ...), []
     for column, speed in enumerate(u):
         for first, last in runs(table[:, column]):
             block = slice(first, last + 1), slice(column, column + 1)
@@ -221,15 +202,14 @@ def _reach(envelope: SafeEnvelope, safe: xr.DataArray, middle: float, suffix: st
     }  # fmt: skip
 
 
-def _ends(speeds: dict[float, float]) -> str:
-    """Return the lowest and the highest of speeds by distance, in words."""
-    places = dict.fromkeys(pick(speeds, key=speeds.__getitem__) for pick in (min, max) if speeds)
+def _ends(speeds: Any) -> str:
+    """Return the lowest and the highest of a series of speeds by distance, in words."""
+    places = dict.fromkeys((speeds.idxmin(), speeds.idxmax())) if len(speeds) else ()
     words = [f"{speeds[place]:.1f} knots at {place:.0f} m" for place in places]
     return f" (to {' and '.join(words)})" if words else ""
 
 
-@dataclass(frozen=True)
-class Reach:
+class Reach(NamedTuple):
     model: Model  # The model in the canal of that section
     middle: float  # Middle of that section, to starboard of the line [m]
     asked: dict[str, Any]  # Options of ``safe_envelope`` other than offsets and speeds

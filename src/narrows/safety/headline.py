@@ -133,18 +133,13 @@ def safe_offsets(data: xr.Dataset, block: Block, share: float, name: str = "held
 
 
 def _sampling_doubt(data: xr.Dataset, share: float) -> list[str]:
-    sure, perhaps = sure_blocks(data, share)
+    tested = data["tested"].to_numpy()
+    sure, perhaps = (largest_block(data, safe_by(data, share, name) & tested) for name in ("held_low", "held_high"))
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; {MORE}."]
     return [f"Certain with {data.attrs['samples']} cases: {_at_places(data, sure)}."]
-
-
-def sure_blocks(data: xr.Dataset, share: float) -> list[Block | None]:
-    """Return the largest blocks that are safe for certain, and perhaps, given the number of samples."""
-    tested = data["tested"].transpose("y", "u").to_numpy()
-    return [largest_block(data, safe_by(data, share, name) & tested) for name in ("held_low", "held_high")]
 
 
 # Limits of the safe range, in words.

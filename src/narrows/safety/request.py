@@ -72,13 +72,8 @@ class Disturbance(Aliased):
             raise InputError(f"samples = {samples} and seed = {seed}: give one sample at least, and a seed from 0")
         heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, samples))
         gust = np.sign(side)
-        columns = {
-            "psi": math.radians(self.heading_deg) * heading,
-            "y": self.offset * offset,
-            "Y": self.gust * gust,
-            "N": self.gust * self.gust_lever * gust,
-            "side": gust,
-        }
+        psi, force = math.radians(self.heading_deg) * heading, self.gust * gust
+        columns = {"psi": psi, "y": self.offset * offset, "Y": force, "N": self.gust_lever * force, "side": gust}
         return {name: xr.DataArray(column, dims="sample") for name, column in columns.items()}
 
 
@@ -132,10 +127,8 @@ class EnvelopeRequest:
 
     def __post_init__(self) -> None:
         if not 0 <= self.reserve < 1 or not 0 <= self.clearance < math.inf:
-            raise InputError(
-                f"a reserve of {self.reserve} of the rudder and {self.clearance} m under the keel: give a share from 0 "
-                "to less than 1, and metres from 0"
-            )
+            given = f"a reserve of {self.reserve} of the rudder and {self.clearance} m under the keel"
+            raise InputError(f"{given}: give a share from 0 to less than 1, and metres from 0")
         for name in ("offsets", "speeds"):
             column = getattr(self, name)
             if not column.size or not np.isfinite(column).all() or (np.diff(column) <= 0).any():
@@ -144,19 +137,13 @@ class EnvelopeRequest:
         if slowest <= 0:
             raise InputError(f"a speed of {slowest:g} m/s steers nothing; give speeds over 0")
         if not (half - port < self.offsets[0] and self.offsets[-1] < starboard - half):
-            raise InputError(
-                f"offsets from {self.offsets[0]:g} to {self.offsets[-1]:g} m have the hull in a bank; stay between "
-                f"{half - port:.4g} and {starboard - half:.4g} m"
-            )
+            clear = f"{half - port:.4g} and {starboard - half:.4g} m"
+            given = f"offsets from {self.offsets[0]:g} to {self.offsets[-1]:g} m"
+            raise InputError(f"{given} have the hull in a bank; stay between {clear}")
         if not abs(self.bend.curvature) * max(self.walls) < 1:
-            raise InputError(
-                f"a curvature of {self.bend.curvature} 1/m bends inside its own bank; give that of the middle"
-            )
+            raise InputError(f"a curvature of {self.bend.curvature} 1/m bends inside its own bank; give the middle's")
         if not abs(self.bend.current) < slowest:
-            raise InputError(
-                f"a current of {self.bend.current} m/s leaves no way over the ground at {slowest:g} m/s; give faster "
-                "speeds"
-            )
+            raise InputError(f"a current of {self.bend.current} m/s leaves no way at {slowest:g} m/s; give more speed")
 
     @property
     def rudder_limit(self) -> float:
@@ -191,9 +178,7 @@ def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarr
 
 def default_speeds(model: Model, count: int = SPEEDS) -> np.ndarray:
     if model.configuration.canal.depth is None:
-        raise InputError(
-            "without a depth the speed has no upper limit: give the depth (--depth) or the speeds (--speed)"
-        )
+        raise InputError("without a depth speeds have no limit: give the depth (--depth) or the speeds (--speed)")
     asked = np.linspace(SLOWEST, FASTEST, count) * choke_speed(model.configuration)
     covered = model.data_range.speed or ()
     return np.union1d(asked, [end for end in covered if asked[0] < end < asked[-1]])
@@ -234,12 +219,8 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
 
     Parameters
     ----------
-    speed : float [m/s]
-        Wind speed.
-    area : float [m2]
-        Lateral area above the water.
-    coefficient : float [1]
-        Drag coefficient of the side.
+    speed, area, coefficient : float [m/s, m2, 1]
+        Wind speed, lateral area above the water and its drag coefficient.
 
     Examples
     --------

@@ -42,10 +42,8 @@ class SafeEnvelope(BaseResult):
     #: best estimate; ``known``, held by that pilot or by one with the true coefficients. ``held_low`` and
     #: ``held_high``: the 95 % interval for the number of samples. ``certain``: share of the disturbances in which a
     #: pilot with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
-    #: ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Attributes:
-    #: ship, canal, weather, notes, pilot, offsets at which the keel meets the banks [m], beam [m], rudder limit [rad]
-    #: and reserve, number of samples, tested speeds [m/s] and offsets [m], untested ratios of the section, undetermined
-    #: bank coefficients, published rules.
+    #: ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Its attributes
+    #: are the assumptions, and numbers of ship, canal, tests and rules [SI].
     data: xr.Dataset
 
     def __repr__(self) -> str:
@@ -71,9 +69,7 @@ class SafeEnvelope(BaseResult):
     description = _attribute("setting", "Ship and canal in words.")
     weather = _attribute("weather", "Disturbances in words.")
     untested = _attribute("untested", "Reasons why the result is extrapolated; empty if it is not.")
-    trust = _attribute(
-        "trust", "Uncertainties that the result does not include, in sentences; empty if there are none."
-    )
+    trust = _attribute("trust", "Uncertainties that the result leaves out, in sentences; empty if there are none.")
     pilot = _attribute("pilot_words", "The pilot in words.")
 
     @property
@@ -120,8 +116,7 @@ class SafeEnvelope(BaseResult):
     def highest_speed(self, y: float | None = None) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN if there is none.
 
-        It is the top of the lowest range of safe speeds, without a gap; with ``y`` [m] that of one offset, linearly
-        between its neighbours.
+        It is the top of the lowest range of safe speeds, without gaps; with ``y`` [m] that of one offset, interpolated.
         """
         speeds = self._speeds(self.safe(), 1)
         return speeds if y is None else speeds.interp(y=y)
@@ -233,7 +228,7 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> list[str]:
     notes.append(f"rudder to {gear.limit_deg:.3g} degrees at {gear.rate_deg:.3g} degrees a second")
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
         notes.append(
-            "the default rudder rate is that of a full-size ship; scale the model, or give the rate in [steering]"
+            "the default rudder rate is that of a full-size ship; scale the model, or give [steering] its rate"
         )
     if not model.terms.propelled:
         return [*notes, "the speed is constant: the propeller's limit is ignored"]
@@ -297,9 +292,7 @@ def untested_reasons(model: Model) -> str:
     """Return the reasons why the result is extrapolated: no bank, unknown ranges, an untested section."""
     known, words = model.data_range, []
     if not model.has_bank:
-        words.append(
-            "this model has no bank term (fit tests near a bank with --terms paper, or take a model that has one)"
-        )
+        words.append("this model has no bank term (fit tests near a bank with --terms paper, or take one that has)")
     unknown = unknown_ranges(known, ("speed", "abs_y", *_section(model)))
     if unknown:
         words.append(f"the file does not give the tested ranges of {', '.join(SPOKEN[name] for name in unknown)}")

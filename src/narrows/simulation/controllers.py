@@ -31,9 +31,7 @@ class ControlLaw(Protocol):
         """Return its numbers by name: floats, or DataArrays if they vary over a fleet."""
 
     def memory(self, start: Named) -> Named:
-        """Return its memory at the ``start``, whose names are x, y [m], cos_psi, sin_psi, u, v [m/s], r [rad/s] and
-        actuators.
-        """
+        """Return its memory at the ``start``: x, y [m], cos_psi, sin_psi, u, v [m/s], r [rad/s] and actuators."""
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         """Return orders by the names of actuators (``rudder`` [rad]), and the new memory.
@@ -74,9 +72,7 @@ class _Law(BaseSummary):
     parameters, memory, orders = ControlLaw.parameters, ControlLaw.memory, ControlLaw.orders
 
     def summary(self) -> str:
-        numbers = {
-            name: f"{v:.4g}" if isinstance(v, float) else " ".join(str(v).split()) for name, v in vars(self).items()
-        }
+        numbers = {n: f"{v:.4g}" if isinstance(v, float) else " ".join(str(v).split()) for n, v in vars(self).items()}
         return ", ".join(f"{name} = {shortened(text, 40)}" for name, text in numbers.items())
 
 
@@ -171,9 +167,8 @@ class Zigzag(_Law):
         return {"side": 1.0, "cos_start": start["cos_psi"], "sin_start": start["sin_psi"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        turned = angle(
-            at.cos_psi * at.cos_start + at.sin_psi * at.sin_start, at.sin_psi * at.cos_start - at.cos_psi * at.sin_start
-        )
+        across = at.sin_psi * at.cos_start - at.cos_psi * at.sin_start
+        turned = angle(at.cos_psi * at.cos_start + at.sin_psi * at.sin_start, across)
         side = choice(at.change - at.side * at.first * turned, at.side, -at.side)
         return {"rudder": side * at.angle}, {"side": side, "cos_start": at.cos_start, "sin_start": at.sin_start}
 

@@ -1,6 +1,5 @@
 """The motion of one ship at a moment: its rates, a single step, derivatives and eigenvalues."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -19,7 +18,7 @@ from narrows.ship.checks import check_angles
 from narrows.simulation.grid import grid_of
 from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions, initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
-from narrows.simulation.inputs import START, finite_numbers
+from narrows.simulation.inputs import START, counted_heading, finite_numbers
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
 
@@ -32,25 +31,18 @@ def derivative(
     model: Model, state: Any, *, X: Number = 0.0, Y: Number = 0.0, N: Number = 0.0, surge: Surge = "held",
     surge_inertia: float | None = None, coriolis: bool = False, **positions: Number,
 ) -> np.ndarray:  # fmt: skip
-    """Return the rates of x, y, psi, u, v, r of the free ship, from the engine's own lines.
+    """Return the rates of x, y [m/s], psi [rad/s], u, v [m/s2] and r [rad/s2] of the free ship, (6, ...).
 
     Raises an InputError if the state is not of six numbers, or an actuator is unknown.
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    state : sequence of six numbers, or mapping of str to number
+    model, state : Model, sequence of six numbers or mapping of str to number
         x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns. A mapping's missing entries are 0.
     X, Y, N, surge, surge_inertia, coriolis
         As for ``simulate`` [N, N m, kg], but constant.
     **positions : number
         Positions of actuators by name: rudder [rad], revolutions [1/s]; at rest unless given.
-
-    Returns
-    -------
-    array (6, ...)
-        Rates of x, y [m/s], psi [rad/s], u, v [m/s2], r [rad/s2].
 
     Examples
     --------
@@ -59,14 +51,8 @@ def derivative(
     """
     ship = SimulatedShip(model, surge, surge_inertia, coriolis)
     check_positions(positions, ship)
-    x, y, psi, u, v, r = (np.asarray(value, float) for value in state_of(state).values())
-    system = ship.system(pushed="always")
-    pushes = dict(zip(INPUTS.values(), (X, Y, N), strict=True))
-    values = {**ship.values(**positions), **pushes}
-    constants = {**values, **system.constants(values)}
-    inputs = (constants[name] for name in system.columns.RATES_INPUTS)
-    found = system.columns.rates(x, y, np.cos(psi), np.sin(psi), u, v, r, *inputs)
-    rates = dict(zip(STATE, found, strict=True)) | {"psi": r}
+    at = {name: np.asarray(value, float) for name, value in state_of(state).items()}
+    rates = ship.rates(ship.values(**positions), {**at, "X": X, "Y": Y, "N": N})
     return np.stack(np.broadcast_arrays(*(rates[name] for name in POSE)))
 
 
@@ -78,10 +64,8 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
 
     Parameters
     ----------
-    model, state
-        As for ``derivative``.
-    dt : float [s]
-        Length of the step.
+    model, state, dt : Model, sequence or mapping, float [s]
+        As for ``derivative``; the length of the step.
     **given : Any
         As for ``derivative``, but floats only.
 
@@ -90,20 +74,16 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     >>> round(float(nw.step(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0), dt=0.1)[0]), 3)
     0.1
     """
-    numbers = state_of(state)
-    ship = SimulatedShip(
-        model, **{name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
-    )
+    options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
+    ship = SimulatedShip(model, **options)
     pushes = {INPUTS[force]: given.pop(force, 0.0) for force in FORCES}
     check_positions(given, ship)
-    known = finite_numbers(**numbers, **given)
+    known = finite_numbers(**state_of(state), **given)
     finite_numbers(**pushes, dt=dt)
     integrator, start = initial_state(ship, None, known, None, any(pushes.values()))
     integrator.set(**pushes)
     x, y, cosine, sine, *velocities = integrator.stepped(start, dt)[0][: len(STATE)]
-    before = start[STATE.index("cos_psi")], start[STATE.index("sin_psi")]
-    turned = math.atan2(sine * before[0] - cosine * before[1], cosine * before[0] + sine * before[1])
-    return np.array([x, y, known["psi"] + turned, *velocities])
+    return np.array([x, y, counted_heading(cosine, sine, known["psi"]), *velocities])
 
 
 def state_of(state: Any) -> dict[str, Number]:
@@ -164,15 +144,11 @@ def jacobian(
 ) -> Jacobian:  # fmt: skip
     """Differentiate the motion of the free ship exactly at a state.
 
-    A, B and G are the derivatives of the rates by state, inputs and coefficients.
-
     Raises an InputError if a number is not finite, or an actuator is unknown.
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    y, u, x, psi, v, r : float [m, m/s, m, rad, m/s, rad/s]
+    model, y, u, x, psi, v, r : Model, float [m, m/s, m, rad, m/s, rad/s]
         The state; y is to starboard of the centreline.
     X, Y, N, surge, surge_inertia, coriolis, **positions
         As for ``derivative`` [N, N m, kg].
@@ -187,14 +163,12 @@ def jacobian(
     state = state_of((x, y, psi, u, v, r))
     numbers = finite_numbers(**state, X=X, Y=Y, N=N, **positions)
     check_angles(numbers)
-    pushes = {INPUTS[force]: numbers[force] for force in FORCES}
+    pushes, movers = {INPUTS[force]: numbers[force] for force in FORCES}, [one.name for one in ship.actuators]
     values = {**ship.values(**positions), **pushes}
-    linear = ship.linearisation(values)
-    at = {**state, **pushes, **{own.name: values.get(own.name, 0.0) for own in ship.actuators}}
-    matrix = linear.linear(at)
-    a, b = matrix[:, : len(LINEARISED)], matrix[:, len(LINEARISED) :]
-    inputs = (*FORCES, *(own.name for own in ship.actuators))
-    return Jacobian(a, b, linear.coefficients(at), LINEARISED, inputs, linear.names, state, model.bank_notes)
+    linear, at = ship.linearisation(values), {**state, **pushes, **{name: values.get(name, 0.0) for name in movers}}
+    a, b = np.split(linear.linear(at), [len(LINEARISED)], axis=1)
+    slopes = linear.coefficients(at)
+    return Jacobian(a, b, slopes, LINEARISED, (*FORCES, *movers), linear.names, state, model.bank_notes)
 
 
 def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
@@ -202,9 +176,7 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    bank : bool
+    model, bank : Model, bool
         True: of (y, psi, v, r) with the bank; false: of (v, r) in open water.
     **state : float
         x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]. Default: on the centreline at 1
@@ -222,22 +194,17 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
 def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """Map the eigenvalues of motion over states, speeds, canals and coefficients.
 
+    The result has ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest
+    real part; ``notes`` names models without a bank force and sections outside the tested range.
+
     Raises an InputError if a name is unknown, or has no effect.
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    bank : bool
-        With the bank, or in open water.
+    model, bank : Model, bool
+        As for ``eigenvalues``.
     **vary : number, sequence or DataArray
         As in ``ensemble``.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real part;
-        ``notes`` names models without a bank force and sections outside the tested range.
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)

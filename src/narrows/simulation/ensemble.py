@@ -20,13 +20,12 @@ from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation import settings
-from narrows.simulation.grid import Grid, grid_of, with_values
+from narrows.simulation.grid import Grid, attributes_of, empty_of, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
 from narrows.simulation.ship import Points, SimulatedShip, steering_of
-from narrows.simulation.store import attributes_of, empty_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,26 +47,16 @@ def ensemble(
 
     Parameters
     ----------
-    model : Model
-        The model, which gives the fixed quantities.
-    duration : float [s], optional
-        Longest duration of a voyage; default: the time of 15 ship lengths at the lowest speed.
-    dt : float [s], optional
-        Runge-Kutta step; default: a 200th of the time of a ship length at the highest speed.
-    samples : int
-        Number of coefficient samples from the fit's covariance: a dimension ``sample``.
-    seed : int
-        Seed of the samples.
-    surge, surge_inertia, coriolis, contact
+    model, duration, dt : Model, float [s], float [s], optional
+        As for ``simulate``; the defaults are those of the lowest and of the highest speed.
+    samples, seed : int
+        Number of coefficient samples from the fit's covariance, a dimension ``sample``, and their seed.
+    surge, surge_inertia, coriolis, contact, waterway
         As for ``simulate`` [kg, m].
-    waterway
-        As for ``simulate``.
     controller : ControlLaw, optional
         A law in arithmetic that gives orders each step; its numbers may be DataArrays.
-    workers : int, optional
-        Threads; all cores unless given. The result does not depend on it.
-    progress : bool
-        Show a bar on stderr.
+    workers, progress : int, bool
+        Threads, all cores unless given, which do not change the result; show a bar on stderr.
     store : str or Path, optional
         Zarr folder for output block by block; an interrupted run continues from there.
     client : dask.distributed.Client, optional
@@ -77,8 +66,7 @@ def ensemble(
     **vary : number, sequence or DataArray
         Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
         particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
-        by name.
-        A sequence is a dimension of that name; DataArrays that share a dimension vary together.
+        by name. A sequence is a dimension of that name; DataArrays that share a dimension vary together.
 
     Returns
     -------
@@ -100,21 +88,18 @@ def ensemble(
     defaults = voyage_defaults(model)
     plain = grid_of(model, {"u": defaults.speed, **vary}, samples, seed)
     defaults = voyage_defaults(model, plain.values["u"])
-    duration, dt = check_steps(
-        defaults.duration if duration is None else duration, defaults.dt if dt is None else dt, settings.MOST_STEPS
-    )
+    duration, dt = defaults.duration if duration is None else duration, defaults.dt if dt is None else dt
+    duration, dt = check_steps(duration, dt, settings.MOST_STEPS)
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
     if store is None and grid.vessels > settings.MOST_IN_MEMORY:
-        raise InputError(
-            f"{grid.vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
-        )
+        raise InputError(f"{grid.vessels:.3g} voyages are too many for memory; vary less, or give store='fleet.zarr'")
     if grid.vessels > settings.MOST_STORED:
         raise InputError(f"{grid.vessels:.3g} voyages are more than {settings.MOST_STORED:.0g}; vary less")
     run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:
-        from narrows.simulation.store import run_into
+        from narrows.simulation.grid import run_into
 
         voyages = run_into(path_of("store", store), run, grid, client, progress)
     elif client is not None:  # An object that is no client is refused here too
@@ -176,10 +161,8 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     places = np.unique(np.linspace(0, grid.vessels - 1, settings.STEP_CHECK_VOYAGES).round().astype(int))
     numbers = np.unravel_index(places, tuple(grid.sizes.values()))
     index = {name: xr.DataArray(one, dims="vessel") for name, one in zip(grid.sizes, numbers, strict=True)}
-    values = {
-        name: value.isel(index, missing_dims="ignore").to_numpy() if value.dims else float(value)
-        for name, value in grid.values.items()
-    }
+    chosen = {name: value.isel(index, missing_dims="ignore") for name, value in grid.values.items()}
+    values = {name: value.to_numpy() if value.dims else float(value) for name, value in chosen.items()}
     again = replace(run, dt=np.asarray(run.dt) / 2).run(values, len(places), 1)
     first = {name: voyages[name].isel(index).to_numpy() for name in ("outcome", "side", "distance", "y_end")}
     same_end = (again["outcome"] == first["outcome"]) & (again["side"] == first["side"])
@@ -215,8 +198,7 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
 
     Parameters
     ----------
-    voyages : Dataset
-        Result of ``ensemble``.
+    voyages : Fleet
 
     Examples
     --------
@@ -237,12 +219,8 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
 
     Parameters
     ----------
-    voyages : Dataset
-        Result of ``ensemble`` with ``samples``.
-    distance : float [m]
-        Distance along the canal.
-    over : str
-        The dimension of the samples.
+    voyages, distance, over : Fleet with samples, float [m], str
+        Distance along the canal; the dimension of the samples.
 
     Examples
     --------
@@ -251,13 +229,10 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     ('y',)
     """
     if over not in voyages.dims:
-        raise InputError(
-            f"these voyages have no dimension {over!r}; draw coefficients, as in ensemble(..., samples=200)"
-        )
+        raise InputError(f"these voyages have no dimension {over!r}; draw coefficients: ensemble(..., samples=200)")
     grounded, far = voyages["outcome"] == Code.GROUNDED, voyages["distance"] > distance
     within = (grounded & ~far).mean(over).where((grounded | far).all(over))
-    name = f"probability of grounding within {distance:g} m"
-    return within.assign_attrs(units="1", long_name=name)
+    return within.assign_attrs(units="1", long_name=f"probability of grounding within {distance:g} m")
 
 
 def map_summary(voyages: xr.Dataset) -> dict[str, Any]:

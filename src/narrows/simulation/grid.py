@@ -1,21 +1,31 @@
-"""The varied quantities of an ensemble: named dimensions for each, split into blocks that fit in memory."""
+"""The varied quantities of an ensemble with named dimensions, split into blocks; ensembles stored in Zarr."""
 
+import hashlib
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import os
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import starmap
+from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import xarray as xr
 
-from narrows.base.errors import InputError, check_count, did_you_mean, reason, shown
+from narrows.base.errors import InputError, check_count, did_you_mean, needs, reason, shown
+from narrows.base.progress import bar
 from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.quantities.names import PARTICULARS
-from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
+from narrows.ship.actuators import STANDARD, particulars_with, places_of
 from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import INPUTS, START, STEADY
-from narrows.simulation.settings import MOST_SAMPLES
+from narrows.simulation.kernel_run import OUTPUTS, KernelRun
+from narrows.simulation.outcome import KINDS, WAYS
+from narrows.simulation.settings import MOST_SAMPLES, TASK_VESSELS
 
 
 @dataclass(frozen=True)
@@ -63,12 +73,8 @@ class Grid:
         return flat, shape
 
     def coordinates(self) -> dict[str, xr.DataArray]:
-        return {
-            str(name): coordinate
-            for value in self.values.values()
-            for name, coordinate in value.coords.items()
-            if set(coordinate.dims) <= set(self.sizes)
-        }
+        pairs = (pair for value in self.values.values() for pair in value.coords.items())
+        return {str(name): one for name, one in pairs if set(one.dims) <= set(self.sizes)}
 
 
 def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:
@@ -82,14 +88,19 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     check_count("samples", samples, most=MOST_SAMPLES)
     check_count("seed", seed)
-    places = file_places(movers)
+    places = {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *movers))  # In a ship file
     columns = constrained(model.terms, {name: labelled(name, value, places) for name, value in vary.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
     values |= sampled(model, samples, seed) if samples else {}
     values |= columns
     check_angles(columns)
     sizes = sizes_of(values)
-    check_columns(model, values, columns)
+    check_particulars({name: value for name, value in values.items() if name in places}, places)
+    for term in (one for one in model.terms.terms if one.name in columns):
+        name, (low, high), value = term.name, term.bound, columns[term.name]
+        for right, side in ((value >= low, f"below the {low:g}"), (value <= high, f"above the {high:g}")):
+            rule = Rule((name,), lambda _, right=right: right, f"{{{name}}} is {side} that its term allows; keep to it")
+            check_rule(rule, {name: value}, {name: f"coefficient {name}"})
     return Grid(values, sizes or {"vessel": 1})
 
 
@@ -102,11 +113,6 @@ Columns = Mapping[str, xr.DataArray]
 
 # Names of the results.
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
-
-
-def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
-    """Return the place of each particular in a ship file, whose limits ensembles share."""
-    return {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *actuators))
 
 
 def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> xr.DataArray:
@@ -152,19 +158,6 @@ def constrained(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
     return complete
 
 
-def check_columns(model: Model, values: Columns, varied: Columns) -> None:
-    places = file_places(model.terms.actuators)
-    check_particulars({name: value for name, value in values.items() if name in places}, places)
-    for term in model.terms.terms:
-        name, (low, high) = term.name, term.bound
-        if name not in varied:
-            continue
-        value = varied[name]
-        for right, side in ((value >= low, f"below the {low:g}"), (value <= high, f"above the {high:g}")):
-            rule = Rule((name,), lambda _, right=right: right, f"{{{name}}} is {side} that its term allows; keep to it")
-            check_rule(rule, {name: value}, {name: f"coefficient {name}"})
-
-
 def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
     if model.covariance is None:
         raise InputError("this model has no covariance to draw coefficients from; identify it from tests, or samples=0")
@@ -178,9 +171,8 @@ def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
 
 
 def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) -> np.ndarray:
-    return np.asarray(
-        np.random.default_rng(seed).standard_normal((samples, len(covariance))) @ symmetric_root(covariance)
-    )
+    drawn = np.random.default_rng(seed).standard_normal((samples, len(covariance)))
+    return np.asarray(drawn @ symmetric_root(covariance))
 
 
 def symmetric_root(covariance: np.ndarray) -> np.ndarray:
@@ -200,3 +192,129 @@ def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: n
             if shift.any():
                 sample = sample + shift[:, None] * covariance[k] / covariance[k, k]
     return np.asarray(np.clip(sample, low, high))
+
+
+def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
+    """Run the missing blocks of an ensemble into a Zarr folder, and open it."""
+    if client is not None and not hasattr(client, "submit"):
+        raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
+    blocks = list(grid.blocks(TASK_VESSELS))
+    identity = hashlib.sha256(f"{fleet.text} {TASK_VESSELS}".encode())
+    for name, value in sorted(grid.values.items()):
+        identity.update(f"{name} {value.dims}".encode())
+        identity.update(np.ascontiguousarray(value.to_numpy()).tobytes())
+    sizes = [(block.stop - block.start) * grid.vessels // grid.sizes[grid.axis] for block in blocks]
+    try:
+        with bar(grid.vessels, progress) as advance:
+            group = opened(path, identity.hexdigest(), grid, blocks)
+            left = [number for number, done in enumerate(group[DONE][:]) if not done]
+            advance(grid.vessels - sum(sizes[number] for number in left))
+            parts = ((grid.part(blocks[number]), grid.region(blocks[number]), number) for number in tuple(left))
+            tasks = ((str(path.resolve()), fleet, *part) for part in parts)
+            for number in _done(client, tasks):
+                left.remove(number)
+                advance(sizes[number])
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({reason(error)}); mend it and go on: it is kept") from None
+    held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
+    # The voyages are the same under any labels: those of this call stand in the result.
+    return held.drop_vars(held.coords).assign_coords(grid.coordinates()).assign_attrs(complete=int(not left))
+
+
+def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
+    """Run one block, write its region, then mark it done; a repetition changes nothing."""
+    import zarr
+
+    group = zarr.open_group(path, mode="r+")
+    values, shape = part.flat(slice(0, part.sizes[part.axis]))
+    for name, column in fleet.run(values, math.prod(shape)).items():
+        group[name][region] = column.reshape(shape)
+    group[DONE][number] = True
+    return number
+
+
+def _done(client: Any, tasks: Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]) -> Iterator[int]:
+    """Run tasks here, or on a cluster, and yield the number of each that is done."""
+    if client is None:
+        with suppress(KeyboardInterrupt):
+            yield from starmap(run_block, tasks)
+        return
+    from dask.distributed import as_completed
+
+    # Each task carries all its inputs, so that a worker's death costs only that task.
+    futures = [client.submit(run_block, *task, pure=False, retries=3) for task in tasks]
+    for future in as_completed(futures):
+        yield int(future.result())
+
+
+# Array of the folder: whether each block has run.
+DONE = "block_done"
+
+
+def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
+    with needs("cluster", "a store"):
+        import zarr
+    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
+        _make(path, identity, grid, blocks)
+    try:
+        group = zarr.open_group(str(path), mode="r+")
+        held = group.attrs.get("identity")
+    except Exception:  # Zarr's errors on foreign folders vary
+        raise InputError(f"{path}: holds no ensemble that can be read; choose another folder or remove it") from None
+    if held != identity:
+        raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
+    return group
+
+
+def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
+    """Make a temporary folder and rename it: if the process is killed, it is whole or absent."""
+    making = path.parent / f".{path.name}-{uuid4().hex}"
+    making.mkdir(parents=True)
+    try:
+        _write_empty(making, identity, grid, blocks)
+        os.replace(making, path)
+    except OSError:
+        if not (path.is_dir() and any(path.iterdir())):  # Otherwise another process has just made it
+            raise
+    finally:
+        shutil.rmtree(making, ignore_errors=True)
+
+
+def _write_empty(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
+    import zarr
+
+    group = zarr.open_group(str(path), mode="w", attributes={"identity": identity})
+    chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
+    for name, kind in OUTPUTS.items():
+        group.create_array(
+            name, shape=tuple(grid.sizes.values()), chunks=chunks, dtype=kind, fill_value=empty_of(kind),
+            attributes=attributes_of(name), dimension_names=list(grid.sizes),
+        )  # fmt: skip
+    group.create_array(DONE, shape=len(blocks), chunks=1, dtype=bool, dimension_names=["block"])
+    try:
+        xr.Dataset(coords=grid.coordinates(), attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
+    except (TypeError, ValueError, NotImplementedError) as error:
+        raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
+
+
+# Code of a voyage that was not run.
+NOT_RUN = -1
+UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
+
+
+def empty_of(kind: type) -> Any:
+    return NOT_RUN if issubclass(kind, np.integer) else np.nan
+
+
+def attributes_of(name: str) -> dict[str, Any]:
+    """Units, and the meaning of codes by the CF conventions."""
+    if name == "outcome":
+        codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
+        for code, way in WAYS.items():
+            codes[int(code)] = f"{KINDS[code]} by its {way}"
+        meanings = " ".join(word.replace(" ", "_") for word in codes.values())
+        return {"flag_values": list(codes), "flag_meanings": meanings}
+    if name == "side":
+        return {"flag_values": [-1, 0, 1], "flag_meanings": "port_or_stern none starboard_or_bow"}
+    words = {"time": "time of the end", "distance": "distance along the canal"}
+    return {"units": UNITS[name], "long_name": words.get(name, f"{name.removesuffix('_end')} at the end")}

@@ -86,11 +86,8 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
     longest, step = _finite("duration", duration), _finite("dt", dt)
     steps = longest / step
     if steps > most:
-        took = f"{steps * 1e-8:.2g} s" if steps < math.inf else "for ever"  # A step takes at least 10 ns
-        raise InputError(
-            f"duration = {longest:g} s in steps of dt = {step:g} s is {steps:.3g} steps, {took} at best, and more than "
-            f"{most:.0g} are refused; lengthen dt or shorten the duration"
-        )
+        asked = f"duration = {longest:g} s in steps of dt = {step:g} s is {steps:.3g} steps"
+        raise InputError(f"{asked}, and more than {most:.0g} are refused; lengthen dt or shorten the duration")
     return longest, step
 
 
@@ -117,9 +114,7 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
     if surge_inertia is not None:
         finite_numbers(surge_inertia=surge_inertia)
         if surge == "held":
-            raise InputError(
-                "surge_inertia changes nothing here: the speed is held; give surge='free', or leave it out"
-            )
+            raise InputError("surge_inertia changes nothing: the speed is held; give surge='free', or leave it out")
     check_flag("coriolis", coriolis)
     if isinstance(contact, str):
         check_choice("contact", contact, get_args(Contact))
@@ -130,10 +125,8 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
     except (TypeError, ValueError, OverflowError):
         points, finite = np.empty(0), False
     if points.ndim != 2 or points.shape[1] != 2 or not 3 <= len(points) <= MOST_POINTS or not finite:
-        raise InputError(
-            f"contact = {shown(contact)}: give corners, midship, none, or an outline as 3 to {MOST_POINTS} points "
-            "(forward, starboard) in metres"
-        )
+        outline = f"an outline as 3 to {MOST_POINTS} points (forward, starboard) in metres"
+        raise InputError(f"contact = {shown(contact)}: give corners, midship, none, or {outline}")
 
 
 def check_flag(name: str, value: object) -> None:

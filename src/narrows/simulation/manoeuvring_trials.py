@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.simulation.controllers import ConstantRudder, ControlLaw, Named, WithoutMemory, Zigzag
-from narrows.simulation.initial_state import steady_ahead, voyage_defaults
+from narrows.simulation.initial_state import steady_revolutions, voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -64,11 +64,8 @@ class Turning(BaseResult):
         return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
 
     def summary(self) -> str:
-        ratios = self.over_length()
-        parts = (
-            f"{name.replace('_', ' ')} {ratios[f'{name}_over_length']:.2f} L ({getattr(self, name):.4g} m)"
-            for name in MEASURES
-        )
+        of = self.to_dict()
+        parts = (f"{n.replace('_', ' ')} {of[f'{n}_over_length']:.2f} L ({of[n]:.4g} m)" for n in MEASURES)
         return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
 
     def to_dict(self) -> dict[str, Any]:
@@ -107,32 +104,29 @@ class Trials(BaseResult):
     notes: tuple[str, ...]  #: Assumptions
 
     def summary(self) -> str:
-        circles = [
-            f"Rudder {order} degrees: advance {measures['advance_over_length']:.2f} L, tactical diameter "
-            f"{measures['tactical_diameter_over_length']:.2f} L."
-            for order, measures in self._circles().items()
-        ]
+        form = (
+            "Rudder {} degrees: advance {advance_over_length:.2f} L, "
+            "tactical diameter {tactical_diameter_over_length:.2f} L."
+        )
+        circles = [form.format(order, **circle.over_length()) for order, circle in self.turning.items()]
         zigzags = [f"Zigzag {order}{test.summary().removeprefix('Zigzag')}" for order, test in self.zigzags.items()]
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:
+        turning = {order: circle.over_length() for order, circle in self.turning.items()}
         zigzags = {order: test.to_dict() for order, test in self.zigzags.items()}
         said = {"summary": self.summary(), "notes": list(self.notes)}
-        return {"speed": self.speed, "turning": self._circles(), "zigzags": zigzags, **said}
+        return {"speed": self.speed, "turning": turning, "zigzags": zigzags, **said}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the measures as a table: one row for each manoeuvre and measure."""
         import pandas as pd
 
-        measured = {f"turning {order}": measures for order, measures in self._circles().items()}
+        measured = {f"turning {order}": pd.Series(circle.over_length()) for order, circle in self.turning.items()}
         for order, test in self.zigzags.items():
             numbered = enumerate(test.overshoots_deg, start=1)
-            measured[f"zigzag {order}"] = {f"overshoot_{number}_deg": angle for number, angle in numbered}
-        rows = {(manoeuvre, name): value for manoeuvre, part in measured.items() for name, value in part.items()}
-        return pd.Series(rows, name="value").rename_axis(["manoeuvre", "measure"]).to_frame()
-
-    def _circles(self) -> dict[str, dict[str, float]]:
-        return {order: circle.over_length() for order, circle in self.turning.items()}
+            measured[f"zigzag {order}"] = pd.Series({f"overshoot_{number}_deg": angle for number, angle in numbered})
+        return pd.concat(measured, names=["manoeuvre", "measure"]).to_frame("value")
 
 
 @accept_aliases
@@ -140,20 +134,14 @@ def turning_circle(
     model: Model, rudder: float = 35.0, speed: float | None = None, dt: float | None = None,
     duration: float | None = None,
 ) -> Turning:  # fmt: skip
-    """Simulate a turning circle in open water.
-
-    Raises an InputError as ``sail_trials`` does.
+    """Simulate a turning circle in open water; refusals (InputError) and other arguments are those of ``sail_trials``.
 
     Parameters
     ----------
-    model : Model
-        A model with the terms of a rudder; those of the banks are left out.
-    rudder : float [deg]
+    model, rudder : Model, float [deg]
         Angle, positive if it turns the bow to starboard.
-    speed, dt : float [m/s, s], optional
-        As for ``sail_trials``.
-    duration : float [s], optional
-        Time from the order; default: 40 ship lengths at the approach speed.
+    speed, dt, duration : float [m/s, s, s], optional
+        Longest time from the order; default: 40 ship lengths at the approach speed.
     """
     return TrialShip.of(model, speed, dt, duration).turn(rudder)
 
@@ -163,19 +151,13 @@ def zigzag(
     model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None, dt: float | None = None,
     duration: float | None = None,
 ) -> ZigzagTest:  # fmt: skip
-    """Simulate a zigzag in open water.
-
-    Raises an InputError as ``sail_trials`` does.
+    """Simulate a zigzag in open water; refusals (InputError) and other arguments are those of ``turning_circle``.
 
     Parameters
     ----------
-    model : Model
-        A model with the terms of a rudder; those of the banks are left out.
-    rudder : float [deg]
-        Angle; negative for a first order to port.
-    heading : float [deg]
-        Heading change at which the rudder is reversed.
-    speed, dt, duration : float [m/s, s], optional
+    model, rudder, heading : Model, float [deg], float [deg]
+        Angle, negative for a first order to port, and the heading change at which it is reversed.
+    speed, dt, duration : float [m/s, s, s], optional
         As for ``turning_circle``.
     """
     return TrialShip.of(model, speed, dt, duration).zigzag(rudder, heading)
@@ -200,10 +182,8 @@ def sail_trials(
         A model with the terms of a rudder; those of the banks are left out.
     speed : float [m/s], optional
         Speed of the approach; default: one that suits the ship.
-    turn_deg : float [deg]
-        Rudder angle of the circles.
-    zigzags : pairs of float [deg]
-        Rudder angle and heading change.
+    turn_deg, zigzags : float [deg], pairs of float [deg]
+        Rudder angle of the circles; rudder angle and heading change of each zigzag.
     dt : float [s], optional
         Step; default: a hundred and twentieth of the time for a ship length.
     """
@@ -211,12 +191,9 @@ def sail_trials(
     ship.check(rudder=turn_deg)
     for rudder, heading in zigzags:
         ship.check(rudder=rudder, heading=heading)
-    turning = {f"{sign * turn_deg:+g}": ship.turn(sign * turn_deg) for sign in (1, -1)}
-    tacking = {
-        f"{sign * rudder:+g}/{heading:g}": ship.zigzag(sign * rudder, heading)
-        for rudder, heading in zigzags
-        for sign in (1, -1)
-    }
+    turning = {f"{angle:+g}": ship.turn(angle) for angle in (turn_deg, -turn_deg)}
+    pairs = [(sign * rudder, heading) for rudder, heading in zigzags for sign in (1, -1)]
+    tacking = {f"{rudder:+g}/{heading:g}": ship.zigzag(rudder, heading) for rudder, heading in pairs}
     return Trials(ship.model, ship.speed, turning, tacking, ship.notes)
 
 
@@ -236,12 +213,14 @@ class TrialShip:
         if not u > 0:
             raise InputError(f"speed = {u} m/s of the approach must be over 0; give it in m/s")
         ship, hull = model.in_open_water(), model.configuration.ship
-        notes = [
-            *(note for note in ship.notes if note != ship.bank_note),
-            *extrapolation(ship.data_range, {"speed": u}),
-        ]
-        ship, steady = steady_ahead(ship, u)
-        notes += [steady] * bool(steady)
+        own = (note for note in ship.notes if note != ship.bank_note)
+        notes = [*own, *extrapolation(ship.data_range, {"speed": u})]
+        propeller, steady = ship.configuration.propeller, steady_revolutions(ship, u)
+        if steady is not None and propeller is not None and ship.surge_inertia > 0:
+            were = f"the model's own, {propeller.revolutions:.3g}, are for another"
+            notes.append(f"{steady:.3g} revolutions a second keep the approach speed; {were}")
+            running = replace(ship.configuration, propeller=replace(propeller, revolutions=steady))
+            ship = replace(ship, configuration=running)
         if not ship.surge_inertia > 0:
             notes.append("the speed is held: the model has no inertia in surge (a_udot)")
         if model.configuration.steering is None and hull.length < MODEL_LENGTH:
@@ -254,9 +233,7 @@ class TrialShip:
         limit = self.model.configuration.gear.limit_deg
         for name, angle in finite_numbers(**angles).items():
             if name == "rudder" and not 0 < abs(angle) <= limit:
-                raise InputError(
-                    f"a rudder of {angle:g} degrees is not between 0 and the gear's {limit:g}; choose another"
-                )
+                raise InputError(f"a rudder of {angle:g} degrees: choose one over 0, up to the gear's {limit:g}")
             if 0 < abs(angle) < LEAST_DEG:
                 raise InputError(f"a {name} of {angle:g} degrees turns no ship; give it in degrees, not in radians")
 
@@ -268,14 +245,12 @@ class TrialShip:
         self.check(rudder=rudder, heading=heading)
         law = Zigzag(math.radians(rudder), math.radians(heading))
         voyage = self.sail(law)
-        return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)
+        return ZigzagTest(tuple(map(math.degrees, overshoots(voyage, law))), voyage, self.notes)
 
     def sail(self, law: ControlLaw, lengths: float = LENGTHS) -> Voyage:
         time = lengths * self.model.configuration.ship.length / self.speed if self.duration is None else self.duration
-        surge: Any = "free" if self.model.surge_inertia > 0 else "held"
-        return simulate(
-            self.model, u=self.speed, duration=time, dt=self.dt, contact="none", surge=surge, controller=law
-        )
+        options: Any = {"surge": "free" if self.model.surge_inertia > 0 else "held", "controller": law}
+        return simulate(self.model, u=self.speed, duration=time, dt=self.dt, contact="none", **options)
 
 
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
@@ -291,10 +266,8 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     turned = np.abs(voyage.psi - voyage.psi[0])
     crossings = np.flatnonzero(np.diff(turned >= zigzag.heading)) + 1
     # Each excursion from its order until the heading has come back; the last may be unfinished.
-    angles = tuple(
-        float(turned[begun:back].max() - zigzag.heading)
-        for begun, back in zip(crossings[::2], crossings[1::2], strict=False)
-    )
+    excursions = zip(crossings[::2], crossings[1::2], strict=False)
+    angles = tuple(float(turned[begun:back].max() - zigzag.heading) for begun, back in excursions)
     if not angles:
         raise InputError("the voyage ends before the heading comes back once; sail on for longer")
     return angles
@@ -350,34 +323,28 @@ def crash_stop(
     model: Model, speed: float | None = None, revolutions: float | None = None, delay: float = 0.0,
     reversal: float = 0.0,
 ) -> StoppingTest:  # fmt: skip
-    """Simulate a stopping test in open water, rudder amidships.
+    """Simulate a stopping test in open water, rudder amidships (IMO resolution MSC.137(76), 2002).
 
     Its side reach is that of the transverse thrust, which ``with_transverse_thrust`` adds to a model.
-    Source: IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
 
     >>> tanker = nw.published("yasukawa2015_kvlcc2_full")
     >>> round(nw.crash_stop(tanker, revolutions=-1.0, delay=10.0, reversal=60.0).time)
     1184
 
-    Raises an InputError if the thrust astern is unknown, the model has no free surge motion, a time is negative, or the
-    ship does not stop.
+    Raises an InputError if the thrust astern or a surge inertia is unknown, a time is negative, or it does not stop.
 
     Parameters
     ----------
-    model : Model
-        A model with terms of a propeller whose thrust astern is known, and with a surge inertia.
-    speed : float [m/s], optional
-        Speed of the approach; default: one that suits the ship.
+    model, speed : Model, float [m/s], optional
+        As for ``sail_trials``.
     revolutions : float [1/s], optional
         Revolutions astern, below 0; default: as many as on the approach.
     delay, reversal : float [s]
         Time from the order until the revolutions begin to change, and time of that change.
     """
     if not model.terms.propelled or not model.surge_inertia > 0:
-        raise InputError(
-            "a stopping test needs terms of a propeller and an inertia in surge, as those of nw.MMG; take a ship that "
-            "has them, such as nw.published('estimated_kcs')"
-        )
+        needs = "a stopping test needs terms of a propeller and an inertia in surge"
+        raise InputError(f"{needs}, as nw.MMG has; take such a ship: nw.published('estimated_kcs')")
     ship = TrialShip.of(model, speed)
     ahead = ship.model.configuration.values()["revolutions"]
     given = {"revolutions": -ahead if revolutions is None else revolutions, "delay": delay, "reversal": reversal}
@@ -392,9 +359,7 @@ def crash_stop(
     last = int(np.argmax(voyage.u < 0))
     voyage = ship.sail(law, voyage.t[last] * ship.speed / ship.model.configuration.ship.length)
     track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
-    reach, ahead_of, aside, time = (
-        float(np.interp(0.0, voyage.u[:-3:-1], column[:-3:-1]) - column[0])
-        for column in (track, voyage.x, voyage.y, voyage.t)
-    )
+    columns = track, voyage.x, voyage.y, voyage.t
+    reach, ahead_of, aside, time = (float(np.interp(0.0, voyage.u[:-3:-1], c[:-3:-1]) - c[0]) for c in columns)
     pushed = TRANSVERSE_THRUST.names(model.terms)[0] in model.terms.names
     return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes + (() if pushed else (NO_TRANSVERSE_THRUST,)))

@@ -18,10 +18,9 @@ from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.system import COMPLEX_STEP
 from narrows.model.model import Model
 from narrows.ship.checks import check_angles
-from narrows.simulation.initial_state import check_positions, initial_state
+from narrows.simulation.initial_state import VoyageIntegrator, check_positions, initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, STEADY, finite_numbers, segments_of
-from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -84,10 +83,8 @@ class Sensitivities(BaseResult):
         """Return the derivatives as an xarray Dataset: d of each state over the times and ``by``."""
         import xarray
 
-        data = {
-            f"d{name}": (("t", "by"), self.slopes[:, i], {"units": f"{unit} over the SI unit of by"})
-            for i, (name, unit) in enumerate(STATES.items())
-        }
+        units = {name: {"units": f"{unit} over the SI unit of by"} for name, unit in STATES.items()}
+        data = {f"d{name}": (("t", "by"), self.slopes[:, i], units[name]) for i, name in enumerate(STATES)}
         coordinates = {"t": ("t", self.voyage.t, {"units": "s"}), "by": list(self.by)}
         return xarray.Dataset(data, coords=coordinates, attrs={"summary": self.summary()})
 
@@ -105,16 +102,13 @@ def sensitivities(
     """Differentiate a voyage exactly by its start, coefficients, particulars and inputs.
 
     Every line of every step is differentiated, so that the derivatives are those of the computed voyage, to rounding. A
-    control law in arithmetic is differentiated with the ship. At a kink, such as ``abs(v)`` at 0, the derivative is the
-    mean of both sides.
+    control law in arithmetic is differentiated too. At a kink, as ``abs(v)`` at 0, it is the mean of both sides.
 
     Raises an InputError if the voyage is impossible, a name is unknown, or the controller is an object of Python.
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    by : sequence of str, optional
+    model, by : Model, sequence of str, optional
         Names: x, y, psi, u, v, r at the start; rudder and other actuators there; external X, Y, N; current, in a
         waterway; coefficients; particulars; numbers of a control law. Default: all coefficients.
     y, u, duration, dt, **voyage
@@ -147,10 +141,8 @@ class TangentIntegrator:
     @classmethod
     def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentIntegrator":
         rest = dict(voyage)
-        ship = SimulatedShip(
-            model,
-            **{name: rest.pop(name) for name in ("surge", "surge_inertia", "coriolis", "contact") if name in rest},
-        )
+        options = {name: rest.pop(name) for name in ("surge", "surge_inertia", "coriolis", "contact") if name in rest}
+        ship = SimulatedShip(model, **options)
         steering = steering_of(rest.pop("controller", None), ship.actuators, single=False)
         waterway = rest.pop("waterway", None)
         schedules = {name: rest.pop(name, 0.0) for name in PUSHED}

@@ -9,8 +9,7 @@ SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
 
 # Tolerance of the clearance at a contact [m], and the clearance that counts as contact when the tries run out [m].
 CONTACT_TOLERANCE, CONTACT_CLOSENESS = 1e-9, 1e-6
-# Clearance relative to the width [1] at which a diverging motion counts as contact: at midship contact the suction
-# becomes infinite.
+# Clearance over the width [1] at which a diverging motion counts as contact: at midship suction becomes infinite.
 NEAR_THE_BANK = 1e-3
 # Instants of a voyage at which the least clearance to the banks is computed: from this many to about twice as many.
 CLEARANCE_ROWS = 1000

@@ -21,29 +21,21 @@ from narrows.quantities.names import MOTION
 from narrows.ship.actuators import PROPELLER, Actuator
 from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration
+from narrows.simulation import inputs
 from narrows.simulation import outcome as end
-from narrows.simulation.channel import points_of
 from narrows.simulation.initial_state import (
+    Row,
+    VoyageIntegrator,
     check_irrelevant,
     check_positions,
     initial_state,
     propeller_notes,
+    track_error,
     voyage_defaults,
 )
-from narrows.simulation.inputs import (
-    Contact,
-    Schedule,
-    check_steps,
-    check_times,
-    check_waterway,
-    counted_heading,
-    finite_numbers,
-    segments_of,
-)
-from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
 from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
-from narrows.simulation.ship import Points, SimulatedShip, steering_of
+from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,6 +45,10 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
+ON_EARTH = {
+    "longitude": ("degrees_east", "longitude, WGS84"), "latitude": ("degrees_north", "latitude, WGS84"),
+    "heading_deg": ("deg", "heading, clockwise from north"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True, repr=False)
@@ -146,10 +142,7 @@ class Voyage(Tabulated):
         columns = {name: (getattr(self, name), *meanings[name]) for name in COLUMNS[1:]}
         columns |= {actuator.name: (column, actuator.unit, actuator.meaning) for actuator, column in self.moved.items()}
         if self.waterway is not None and self.waterway.origin is not None:
-            track = self.track()
-            columns["longitude"] = track.longitude, "degrees_east", "longitude, WGS84"
-            columns["latitude"] = track.latitude, "degrees_north", "latitude, WGS84"
-            columns["heading_deg"] = track.heading_deg, "deg", "heading, clockwise from north"
+            columns |= {name: (getattr(self.track(), name), *words) for name, words in ON_EARTH.items()}
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
         data = {name: ("t", column, {"units": u, "long_name": of}) for name, (column, u, of) in columns.items()}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
@@ -173,9 +166,9 @@ class Voyage(Tabulated):
 def simulate(
     model: Model, y: float = 0.0, u: float | None = None, duration: float | None = None, dt: float | None = None, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
-    X: Schedule = 0.0, Y: Schedule = 0.0, N: Schedule = 0.0, rudder: float = 0.0,
+    X: inputs.Schedule = 0.0, Y: inputs.Schedule = 0.0, N: inputs.Schedule = 0.0, rudder: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: Contact | Points = "corners", at: Sequence[float] | None = None,
+    contact: inputs.Contact | Points = "corners", at: Sequence[float] | None = None,
     waterway: "Waterway | None" = None, controller: Any = None, hold: float | None = None, bottom: bool = True,
     **positions: float,
 ) -> Voyage:  # fmt: skip
@@ -183,45 +176,31 @@ def simulate(
 
     The method is the classical Runge-Kutta method of order 4 with step ``dt``; a contact is located within its step.
 
-    Raises an InputError if an input is not finite, the hull touches a bank at the start, surge lacks an inertia, or a
-    controller has no rudder.
+    Raises an InputError if an input is not finite, the hull starts in a bank, or an inertia or a rudder is missing.
 
     Parameters
     ----------
-    model : Model
-        The ship in its canal.
-    y : float [m]
-        Start to starboard of the centreline.
+    model, y : Model, float [m]
+        The ship in its canal, and its start to starboard of the centreline.
     u : float [m/s], optional
         Surge velocity at the start; the default suits the ship: within the tested range, and below choking.
     duration : float [s], optional
         Longest duration; default: the last of ``at``, or the time of 15 ship lengths.
     dt : float [s], optional
         Step, and the spacing of the output without ``at``; default: a 200th of the time of a ship length.
-    x : float [m]
-        Start along the canal.
-    psi : float [rad]
-        Heading at the start.
-    v : float [m/s]
-        Sway velocity at the start.
-    r : float [rad/s]
-        Yaw rate at the start.
-    X, Y : float or pairs [N]
-        External surge and sway force: a constant, or (time, value) pairs, each valid until the next.
-    N : float or pairs [N m]
-        External yaw moment, likewise.
+    x, psi, v, r : float [m, rad, m/s, rad/s]
+        Place along the canal, heading, sway velocity and yaw rate at the start.
+    X, Y, N : float or pairs [N, N, N m]
+        External surge force, sway force, yaw moment: a constant, or (time, value) pairs, each valid until the next.
     rudder : float [rad]
         Angle at the start, for models with terms of the rudder; positive if it turns the bow to starboard. It is
         constant without a controller.
-    surge : str
-        ``held``: constant speed; ``free``: it is integrated.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
+    surge, surge_inertia : str, float [kg], optional
+        ``held``: constant speed; ``free``: it is integrated, with this mass and added mass if a_udot is unknown.
     coriolis : bool
         Add the rigid body's Coriolis force; damping fitted at one speed already contains it.
     contact : str or points [m]
-        ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
-        ``none`` in open water.
+        ``corners`` of the hull's rectangle, ``midship`` (paper), an outline (forward, starboard); ``none``: open water.
     at : sequence of float [s], optional
         Output times; they do not change the voyage.
     waterway : Waterway, optional
@@ -241,16 +220,17 @@ def simulate(
     >>> print(nw.simulate(model, y=0.5, u=1.0).outcome.ending)
     Grounded to port after 11.79 s and 11.16 m along the canal, at 1.01 m/s, heading -27.1 deg.
     """
-    check_waterway(waterway)
-    times = None if at is None else check_times(at, duration)
-    defaults = voyage_defaults(model, None if u is None else [finite_numbers(u=u)["u"]])
+    inputs.check_waterway(waterway)
+    times = None if at is None else inputs.check_times(at, duration)
+    defaults = voyage_defaults(model, None if u is None else [inputs.finite_numbers(u=u)["u"]])
     u = defaults.speed if u is None else u
-    longest = times[-1] if times else defaults.duration
-    duration, dt = check_steps(longest if duration is None else duration, defaults.dt if dt is None else dt, MOST_ROWS)
+    if duration is None:
+        duration = times[-1] if times else defaults.duration
+    duration, dt = inputs.check_steps(duration, defaults.dt if dt is None else dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
-    pushes = segments_of(X, Y, N, duration)
+    pushes = inputs.segments_of(X, Y, N, duration)
     check_positions(positions, ship)
-    numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
+    numbers = inputs.finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_angles(numbers)
     check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     if hold is not None:
@@ -260,9 +240,8 @@ def simulate(
     steering = steering_of(controller, ship.actuators)
     integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows = [Row(0.0, start)]
-    ending = (
-        event.FINISHED if integrator.clearance(start)[0] > 0 or start[0] == integrator.channel.start else event.CLOSED
-    )
+    clear = integrator.clearance(start)[0] > 0 or start[0] == integrator.channel.start
+    ending = event.FINISHED if clear else event.CLOSED
     for push in pushes if ending == event.FINISHED else ():
         integrator.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
         ending = integrator.integrate(rows, push.stop, dt)
@@ -290,50 +269,48 @@ class _Log:
     rudder: float
     propeller: tuple[str, ...]  # Notes on its revolutions
 
+    def kept(self, rows: list[Row]) -> dict[str, np.ndarray]:
+        return dict(zip(self.integrator.choices.kept, np.array([row.state for row in rows]).T, strict=True))
+
     def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
-        kept = dict(zip(self.integrator.choices.kept, np.array([row.state for row in rows]).T, strict=True))
-        psi = counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
-        rudder = kept.get("rudder", np.full(len(rows), self.rudder))
-        track = {name: kept[name] for name in ("x", "y", "u", "v", "r")}
-        return {"t": np.array([row.t for row in rows]), **track, "psi": psi, "rudder": rudder}
+        kept, track = self.kept(rows), ("x", "y", "u", "v", "r")
+        psi = inputs.counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
+        columns = {"psi": psi, "rudder": kept.get("rudder", np.full(len(rows), self.rudder))}
+        return {"t": np.array([row.t for row in rows]), **{name: kept[name] for name in track}, **columns}
 
     def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
-        kept = self.integrator.choices.kept
-        ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
-        moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
+        kept, actuators = self.kept(rows), self.ship.model.terms.actuators
+        moved = {one: kept[one.name] for one in actuators if one.name in kept and one.name != "rudder"}
         check_ahead(moved.get(PROPELLER), self.ship.model.configuration.propeller)
         return moved
 
     def outcome(self, dt: float, waterway: "Waterway | None") -> Outcome:
-        columns = self.columns(self.rows)
-        last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
-        model, is_open, at_end = self.ship.model, self.ship.shape == OPEN, self.rows[-1].state
-        code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, at_end), at_end[0]).item())
-        full, nearer = is_full(model.configuration.ship.block_coefficient), self.integrator.clearance(at_end)[1] > 0
+        columns, integrator, at_end = self.columns(self.rows), self.integrator, self.rows[-1].state
+        model, is_open = self.ship.model, self.ship.shape == OPEN
+        code = Code(integrator.channel.codes(integrator.cause(self.ending, at_end), at_end[0]).item())
+        full, nearer = is_full(model.configuration.ship.block_coefficient), integrator.clearance(at_end)[1] > 0
         side = end.SIDES.get(code, {}).get(1 if (full if code == Code.TOUCHED else nearer) else -1)
         bank = model.configuration.notes if is_open else model.bank_notes
         water = () if is_open and waterway is None else water_notes(waterway, model.configuration.canal.depth)
         notes = (*bank, *water, *self.propeller, *self._beyond(columns), *self._coarse(dt))
-        state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
-        distance = last["x"] - float(columns["x"][0])
-        lengths = abs(distance) / model.configuration.ship.length
-        passed, steered = code == Code.PASSED, "rudder" in self.integrator.choices.kept
-        clearance = self.integrator.least_clearance(self.rows) if passed else None
-        rudder = float(np.abs(columns["rudder"]).max()) if passed and steered else None
+        state = {name: float(columns[name][-1]) for name in ("x", "y", "psi", "u", "v", "r")}
+        distance, passed = state["x"] - float(columns["x"][0]), code == Code.PASSED
         return Outcome(
-            end.KINDS[code], last["t"], distance, end.WAYS.get(code) or side, state, notes, lengths, clearance, rudder
-        )
+            end.KINDS[code], self.rows[-1].t, distance, end.WAYS.get(code) or side, state, notes,
+            abs(distance) / model.configuration.ship.length,
+            integrator.least_clearance(self.rows) if passed else None,
+            float(np.abs(columns["rudder"]).max()) if passed and "rudder" in integrator.choices.kept else None,
+        )  # fmt: skip
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
-        model = self.ship.model
-        section = self.integrator.channel.section(columns["x"])
+        model, t = self.ship.model, columns["t"]
 
         def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
-            first = int(np.argmax(np.broadcast_to(outside, columns["t"].shape)))
-            there = float(np.broadcast_to(values, columns["t"].shape)[first])
-            start = f"From {columns['t'][first]:.2f} s its {measure.words} of {measure.describe(there, there)}"
-            return f"{start} is outside the data ({covered})."
+            first = int(np.argmax(np.broadcast_to(outside, t.shape)))
+            there = measure.describe(*2 * (float(np.broadcast_to(values, t.shape)[first]),))
+            return f"From {t[first]:.2f} s its {measure.words} of {there} is outside the data ({covered})."
 
+        section = self.integrator.channel.section(columns["x"])
         seen = measured(columns, {**model.configuration.values(), **section}, self.ship.shape != OPEN)
         return (*froude_notes(columns["u"], model.ship.length), *outside_notes(model.data_range, [seen], beyond))
 

@@ -12,11 +12,11 @@ import numpy as np
 from narrows.base.errors import InputError
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.linearization import MOVED as RATES
-from narrows.control.linearization import LocalWater, steady_courses
 from narrows.control.predictive import plan_loops
 from narrows.control.regulator import RegulatorWeights
 from narrows.control.settings import MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, WAYS
+from narrows.control.steady_course import MOVED as RATES
+from narrows.control.steady_course import LocalWater, steady_courses
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway.centreline import check_along_only
@@ -31,9 +31,8 @@ HELD = ("y", "psi", "v", "r", "rudder")
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
 RUDDER = HELD.index("rudder")
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # States that forces accelerate
-# Section of the water in plans, and the corresponding inputs of the terms.
+# Section of the water in plans.
 COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port", "current")
-SECTION = ("width", "depth")
 
 
 def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
@@ -51,7 +50,7 @@ class WaterAhead:
 
     nodes: np.ndarray  # (nodes, 7) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m, m/s]
     step: float  # Length of a cell [m]
-    straight: bool = False  # True for the model's own canal
+    section: tuple[str, ...] = ("width", "depth")  # Inputs of the terms; none for the model's own canal
 
     @property
     def length(self) -> float:
@@ -69,7 +68,7 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
         values = model.configuration.values()
         walls = [float(values.get(name, canal.width / 2)) for name in ("wall_starboard", "wall_port")]
         row = np.array([canal.width, 0.0, own_depth, 0.0, *walls, 0.0])
-        return WaterAhead(np.stack([row, row]), 1.0, straight=True)
+        return WaterAhead(np.stack([row, row]), 1.0, section=())
     from narrows.waterway.table import tabulate
 
     waterway.check_fits(ship)
@@ -139,6 +138,13 @@ class Weights:
     states: np.ndarray  # (5,) Squared deviations of y, psi, v, r, rudder
     rate: float  # Squared rate of the rudder [s2/rad2]
 
+    @classmethod
+    def of(cls, weights: RegulatorWeights, half_beam: float, passing: float) -> "Weights":
+        # Bryson and Ho (1975), Applied optimal control, section 5.2.
+        rudder = math.radians(weights.rudder_deg)
+        sizes = np.array([weights.offset * half_beam, math.radians(weights.heading_deg), math.inf, math.inf, rudder])
+        return cls(sizes**-2, (weights.stroke_time * passing / rudder) ** 2)
+
 
 class CourseAhead:
     """The steady course along a line, recomputed if the speed has changed."""
@@ -193,16 +199,12 @@ class CourseAhead:
         for _ in range(intervals):
             off = (A - np.outer(integral[:, RUDDER], gains)) @ off
             states.append(steady + off)
-        by_coefficient = self._by_coefficient(place, np.array(states))
-        return margins_of(self.ship.model, (A, integral), by_coefficient, gains, self.margin, confidence)
-
-    def _by_coefficient(self, place: int, states: np.ndarray) -> np.ndarray:
         there = self.water.at(self.track.places[place : place + 1])
-        section = {} if self.water.straight else {name: float(there[name][0]) for name in ("width", "depth")}
-        values = {**self.ship.values(**self.positions), **section}
-        y, psi, v, r, rudder = states.T
-        at = {"y": y - there["middle"][0], "psi": psi, "u": self.speed, "v": v, "r": r, "rudder": rudder}
-        return self.ship.linearisation(values).coefficients({**at, **self.positions})
+        section = {name: float(there[name][0]) for name in self.water.section}
+        linear = self.ship.linearisation({**self.ship.values(**self.positions), **section})
+        at = {**dict(zip(HELD, np.array(states).T, strict=True)), "u": self.speed, **self.positions}
+        by_coefficient = linear.coefficients({**at, "y": at["y"] - there["middle"][0]})
+        return margins_of(self.ship.model, (A, integral), by_coefficient, gains, self.margin, confidence)
 
 
 def steady_track(
@@ -220,9 +222,8 @@ def steady_track(
     middle = (there["keel_starboard"] - there["keel_port"]) / 2
     y_held = (offset + np.linspace(0.0, 1.0, WAYS)[:, None] * (middle - offset)).ravel()
     everywhere = {name: np.tile(column, WAYS) for name, column in there.items()}
-    section = {} if water.straight else {name: everywhere[name] for name in SECTION}
     line = {name: everywhere[name] for name in ("width", "middle", "curvature", "current")}
-    place = LocalWater(sections=section, **line)
+    place = LocalWater(sections={name: everywhere[name] for name in water.section}, **line)
     motion, course = steady_courses(ship, place, y_held, np.full(len(y_held), u), positions)
     states = np.stack([course[name] for name in HELD], axis=1).reshape(WAYS, count, -1)
     known = np.isfinite(states[..., RUDDER])
@@ -235,9 +236,8 @@ def steady_track(
     by = motion.slopes({**course, **dict(zip(HELD, states.reshape(-1, len(HELD)).T, strict=True))})
     # Accelerations that vanish on a steady course, by choice of psi, v and the rudder.
     balanced = [RATES.index(name) for name in ("y", "v", "r")]
-    by_choice, by_force = (
-        np.stack([by[name][:, balanced] for name in names], axis=-1) for names in (("psi", "v", "rudder"), ("Y", "N"))
-    )
+    asked = ("psi", "v", "rudder"), ("Y", "N")
+    by_choice, by_force = (np.stack([by[n][:, balanced] for n in names], axis=-1) for names in asked)
     by_push = np.zeros((len(y_held), len(HELD), 2))
     by_push[:, [HELD.index("psi"), HELD.index("v"), RUDDER]] = -np.linalg.solve(by_choice, by_force)
     slopes = np.zeros((len(y_held), len(HELD), len(HELD)))
@@ -270,13 +270,6 @@ def margins_of(
         corners = ends @ astray
         spread[k] = np.sqrt(np.maximum(np.einsum("ip,pq,iq->i", corners, model.covariance, corners), 0.0)).max()
     return margin + NormalDist().inv_cdf(confidence) * spread
-
-
-def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> Weights:
-    # Bryson and Ho (1975), Applied optimal control, section 5.2.
-    rudder = math.radians(weights.rudder_deg)
-    sizes = np.array([weights.offset * half_beam, math.radians(weights.heading_deg), math.inf, math.inf, rudder])
-    return Weights(sizes**-2, (weights.stroke_time * passing / rudder) ** 2)
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:

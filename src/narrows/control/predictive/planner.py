@@ -11,20 +11,11 @@ from narrows.base.errors import InputError, check_count, needs
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
-from narrows.control.linearization import along_line
 from narrows.control.predictive import plan_loops
-from narrows.control.predictive.course_ahead import (
-    HELD,
-    MOTION,
-    MOVED,
-    RUDDER,
-    SECTION,
-    WaterAhead,
-    Weights,
-    over_interval,
-)
+from narrows.control.predictive.course_ahead import HELD, MOTION, MOVED, RUDDER, WaterAhead, Weights, over_interval
+from narrows.control.steady_course import along_line
+from narrows.simulation.kernel_run import ShipLanes
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.ship_lanes import ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -111,8 +102,7 @@ class Planner:
         self.weights, self.positions = weights, positions
         # One lane per interval
         self.lanes = ShipLanes(ship, MOTION, horizon.intervals, waterway, pushed=True, endless=True)
-        section = () if water.straight else SECTION
-        linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
+        linear = ship.system().linearisation(ship.values(**positions), ship.actuators, water.section)
         self.jacobians = linear.batch(horizon.intervals)  # One point per interval
         hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
         self.hull = hull.length / 2, hull.beam / 2  # [m]
@@ -134,9 +124,8 @@ class Planner:
         interval, nodes = self.horizon.interval, plan.states.copy()
         nodes[1:] = self._within_domain(self.water.at(plan.x[1:]), nodes[1:], speed)
         plan, pushes = replace(plan, states=nodes), np.tile(push, (self.horizon.intervals, 1))
-        end, reached = predict(
-            self.lanes, plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval, self.positions
-        )
+        states, rates, at = plan.states[:-1], plan.rates, self.positions
+        end, reached = predict(self.lanes, plan.x[:-1], states, speed, rates, pushes, interval, at)
         A, integral = over_interval(self._slopes(plan, end, reached, speed), interval)
         e, G = compiled_loops(plan_loops).condensed(A, integral[..., RUDDER], reached - plan.states[1:])
         x = np.append(plan.x[0], plan.x[0] + np.cumsum(end - plan.x[:-1]))
@@ -167,7 +156,7 @@ class Planner:
         middle = self._within_domain(there, (plan.states[:-1] + reached) / 2, speed)
         y, psi, v, r, rudder = middle.T
         at = {"psi": psi, "u": speed, "v": v, "r": r, "rudder": rudder, **self.positions}
-        section = {} if self.water.straight else {name: there[name] for name in SECTION}
+        section = {name: there[name] for name in self.water.section}
         jacobians = self.jacobians({**at, **section, "y": y - there["middle"]})
         line = {name: there[name] for name in ("curvature", "current")}
         linear = along_line(jacobians, {**at, **line, "y": y})
@@ -213,9 +202,8 @@ def solve_program(program: QuadraticProgram) -> np.ndarray | None:
         import daqp
     if not math.isfinite(program.H.sum() + program.f.sum() + program.rows.sum() + program.upper.sum()):
         return None
-    z, _, flag, _ = daqp.solve(
-        program.H, program.f, program.rows, program.upper, program.lower, None, iter_limit=settings.MOST_ITERATIONS
-    )
+    H, f, rows, lower, upper = program
+    z, _, flag, _ = daqp.solve(H, f, rows, upper, lower, None, iter_limit=settings.MOST_ITERATIONS)
     return z if flag > 0 and np.isfinite(z).all() else None
 
 

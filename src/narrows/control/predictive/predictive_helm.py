@@ -18,17 +18,11 @@ from narrows.control.predictive.course_ahead import (
     MOTION,
     RUDDER,
     CourseAhead,
+    Weights,
     update_push,
     water_ahead,
-    weights_of,
 )
-from narrows.control.predictive.planner import (
-    Horizon,
-    Planner,
-    RudderPlan,
-    horizon_of,
-    predict,
-)
+from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, predict
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder
@@ -38,8 +32,8 @@ from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
+from narrows.simulation.kernel_run import ShipLanes
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.ship_lanes import ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -228,7 +222,7 @@ class PredictiveHelm(BaseSummary):
         if self.model.terms.propelled:
             turns = self_propulsion(self.model, self.u) if self.revolutions is None else self.revolutions
             positions["revolutions"] = turns
-        weights = weights_of(self.weights, hull.beam / 2, passing)
+        weights = Weights.of(self.weights, hull.beam / 2, passing)
         margin = MARGIN * hull.beam if self.margin is None else self.margin
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
