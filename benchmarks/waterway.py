@@ -15,7 +15,7 @@ from narrows.waterway import Centreline, Waterway
 from narrows.waterway import bank_clearance as clearance_text
 from narrows.waterway.bank_clearance import exact_clearance
 from narrows.waterway.banks import bank_from_points
-from narrows.waterway.table import STEPS_A_BEAM, least_walls, tabulate
+from narrows.waterway.waterway import STEPS_A_BEAM, least_walls, tabulate
 
 LENGTH, BEAM, DRAFT, CORNERS = 230.0, 32.2, 10.8, 2000
 RECTANGLE = np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]]) / 2 * [LENGTH, BEAM]

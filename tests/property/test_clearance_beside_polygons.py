@@ -15,7 +15,7 @@ import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway import bank_clearance as clearance_text
 from narrows.waterway.bank_clearance import PORT_BANK, STARBOARD_BANK, exact_clearance, line_pose
-from narrows.waterway.table import LeastWalls, WaterwayTable, least_walls, tabulate
+from narrows.waterway.waterway import LeastWalls, WaterwayTable, least_walls, tabulate
 
 STEPS_A_BEAM = 4  # the step that the docs recommend: a quarter of the beam
 

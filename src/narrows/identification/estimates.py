@@ -5,10 +5,9 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import Problem, solve
 from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
-from narrows.identification.motions import DistinctMotions
+from narrows.identification.motions import DistinctMotions, ForceRows
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import Effect, RunErrors, assemble
 from narrows.ship.particulars import Configuration

@@ -12,10 +12,9 @@ from narrows.base.errors import InputError
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
-from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import bounded_problem, free_parameters
 from narrows.identification.mixed_model import MixedModel
-from narrows.identification.motions import DistinctMotions, distinct_motions
+from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions
 from narrows.identification.normal_equations import ONE, NormalEquations
 from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.identification.verdict import Diagnostics

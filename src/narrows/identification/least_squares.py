@@ -16,7 +16,6 @@ RANK_TOLERANCE = 1e-6
 # Ridge on the unit diagonal: sets directions without data to 0; a tenth of the least eigenvalue that counts as data.
 RIDGE = 0.1 * RANK_TOLERANCE**2
 ROUNDS = 25  # Most updates of the active sets; a problem that still changes is solved by itself
-CHUNK = 4096  # Problems of a stack that are solved at once
 
 
 @dataclass(frozen=True)
@@ -141,22 +140,20 @@ def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarra
     # Primal-dual active set: solve for the free parameters; fix at its bound each that violates it, and free each whose
     # multiplier has the wrong sign, until nothing changes. Problems that still change are solved one by one.
     # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
-    h, z = np.broadcast_to(h, (len(g), *h.shape[-2:])), np.empty_like(g)
-    for first in range(0, len(g), CHUNK):
-        left = np.arange(first, min(first + CHUNK, len(g)))
-        active = np.zeros((len(left), g.shape[1]), np.int8)  # -1 at the lower bound, +1 at the upper
-        for _ in range(ROUNDS):
-            z[left] = best = _solve_with_active(h[left], g[left], active, lower, upper)
-            multiplier = g[left] - np.einsum("nij,nj->ni", h[left], best)
-            below = np.where(active < 0, multiplier < 0, best < lower)
-            above = np.where(active > 0, multiplier > 0, best > upper)
-            after = np.where(above, 1, np.where(below, -1, 0))
-            changed = (after != active).any(axis=1)
-            left, active = left[changed], after[changed]
-            if not left.size:
-                break
-        for i in left:
-            z[i] = solve(h[i], g[i], lower, upper).z
+    h, z, left = np.broadcast_to(h, (len(g), *h.shape[-2:])), np.empty_like(g), np.arange(len(g))
+    active = np.zeros(g.shape, np.int8)  # -1 at the lower bound, +1 at the upper
+    for _ in range(ROUNDS if len(g) else 0):
+        z[left] = best = _solve_with_active(h[left], g[left], active, lower, upper)
+        multiplier = g[left] - np.einsum("nij,nj->ni", h[left], best)
+        below = np.where(active < 0, multiplier < 0, best < lower)
+        above = np.where(active > 0, multiplier > 0, best > upper)
+        after = np.where(above, 1, np.where(below, -1, 0))
+        changed = (after != active).any(axis=1)
+        left, active = left[changed], after[changed]
+        if not left.size:
+            break
+    for i in left:
+        z[i] = solve(h[i], g[i], lower, upper).z
     return z
 
 

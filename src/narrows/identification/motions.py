@@ -1,13 +1,15 @@
-"""Group tests: repeats of one motion, one speed, one period, one depth, one side of the canal."""
+"""Distinct motions of tests, and the rows of each for forces that are fitted together: a few with the same sums."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.normal_equations import NormalEquations
+from narrows.identification.least_squares import Problem
+from narrows.identification.normal_equations import ONE, NormalEquations
+from narrows.model.term import Term
 
 # Tolerance of each feature, or of a fifth of its largest value if more: within it two tests are one motion.
 SAME_MOTION = 0.03
@@ -142,3 +144,210 @@ def _same_motion(features: np.ndarray, scales: np.ndarray, steady: np.ndarray) -
             firsts.append(int(i))
         group[i] = same[0] if same.size else len(firsts) - 1
     return _in_order_of_appearance(group)
+
+
+# Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].
+RANK = 1e-9
+# Column of the velocity whose rate an inertial term takes.
+VELOCITIES: dict[tuple[str, ...], str] = {("vdot",): "column v", ("rdot",): "column r"}
+# Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
+RIDGE = 4e-6
+# Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
+MOST_UNIT = 1e16
+
+
+class ForceRows:
+    """Rows of some forces, one after the other: those of each motion's mean, of differences between its repeats."""
+
+    def __init__(
+        self, equations: NormalEquations, motions: DistinctMotions, problem: Problem, forces: Sequence[str],
+        noise: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        self.problem, self.names, self.forces, self.count = problem, equations.columns, tuple(forces), len(forces)
+        sums = equations.by_test(equations.unweighted)
+        total, y = np.diag(sums.sum(axis=0)), np.array([equations.columns[force] for force in forces])
+        # (forces,) Root mean square of each force, and variance of a row of one run by the noise within it.
+        self.level = np.sqrt(np.maximum(total[y] / total[equations.columns[ONE]], 1e-300))
+        least = (1e-6 * self.level) ** 2  # Where the rows have no noise
+        self.noise = np.maximum(_noise(equations, sums, y), least) if noise is None else noise
+        columns, reference, early, motion, runs, is_mean = zip(*_blocks(equations, motions, sums), strict=True)
+        # (rows, m) Every column of the sums; of the motion's mean, to which errors of gain are proportional; with the
+        # first stretches of each run counted alone.
+        self.columns, self.reference, self.early = np.vstack(columns), np.vstack(reference), np.vstack(early)
+        # (blocks,) Number of rows, the first one, how many runs are averaged, and whether it is of a motion's mean.
+        self.sizes = np.array([len(part) for part in columns])
+        self.starts, self.runs, self.is_mean = np.cumsum(self.sizes) - self.sizes, np.array(runs), np.array(is_mean)
+        # (rows,) The motion of each, whether it is of a mean, and the root of the number of rows of its block.
+        self.motion, self.of_mean = np.repeat(motion, self.sizes), np.repeat(self.is_mean, self.sizes)
+        rows = np.sqrt(np.add.reduceat(self.reference[:, self.names[ONE]] ** 2, self.starts))
+        self.length, self.each = np.repeat(rows, self.sizes), len(self.motion)
+        self.terms = [(f, term) for f, force in enumerate(forces) for term in problem.terms.forces[force]]
+        self.free_parameters = sorted({problem.slot[term.name] for _, term in self.terms})
+        self._describe(motions)
+        self.y = np.concatenate([self.raw(force) for force in forces])
+        self.x = np.zeros((len(self.y), len(self.free_parameters)))
+        for f, term in self.terms:
+            self.x[:, self.place(term)] += self.of(f, self.raw(term.name))
+        self.theta = self._first_fit()
+
+    def _describe(self, motions: DistinctMotions) -> None:
+        """Motion of each row: speed, octaves of the period, depth, side, and whether nothing oscillates."""
+        speed, period, depth = (np.asarray(motions.features[name]) for name in ("speed", "period", "depth"))
+        self.speed, self.steady = speed[self.motion], motions.steady[self.motion].astype(float)
+        self.mixed = bool(0 < self.steady.sum() < len(self.steady))
+        harmonic, octaves, frequency = period > 0, np.zeros(len(period)), np.zeros(len(period))
+        octaves[harmonic], frequency[harmonic] = np.log2(period[harmonic]), 2 * np.pi / period[harmonic]
+        # Coefficients are those at the middle of the speeds and depths, and at the mean of the octaves.
+        octaves[harmonic] -= octaves.sum() / max(harmonic.sum(), 1)
+        self.frequency, self.octaves = frequency[self.motion], octaves[self.motion]
+        logs = (np.log(self.speed), np.log(np.maximum(depth[self.motion], 1e-9)))
+        self.speeds, self.depths = (values - 0.5 * (values.min() + values.max()) for values in logs)
+        self.side = np.sign(self.reference[:, self.names["column y"]] * self.reference[:, self.names[ONE]])
+        self.reach = float(max(motions.features["reach"].max(), 1e-9))
+
+    def place(self, term: Term) -> int:
+        return self.free_parameters.index(self.problem.slot[term.name])
+
+    def of(self, force: int, column: np.ndarray) -> np.ndarray:
+        return np.outer(np.arange(self.count) == force, column).ravel()
+
+    def all(self, column: np.ndarray) -> np.ndarray:
+        return np.tile(column, self.count)
+
+    @property
+    def lateral(self) -> list[int]:
+        """Forces that a side force, an offset or another hull form changes: sway and yaw."""
+        return [f for f, force in enumerate(self.forces) if force != "X"]
+
+    def side_force(self, force: np.ndarray, lever: float) -> np.ndarray:
+        levers = {"Y": 1.0, "N": lever}
+        return np.outer([levers.get(name, 0.0) for name in self.forces], force).ravel()
+
+    def raw(self, name: str) -> np.ndarray:
+        return np.asarray(self.columns[:, self.names[name]])
+
+    def rms(self, column: np.ndarray) -> float:
+        mean = np.add.reduceat(column**2, self.starts) / self.length[self.starts] ** 2
+        return float(np.sqrt(mean[self.is_mean].mean()))
+
+    def size(self, force: int, term: Term) -> float:
+        """Force per unit of a term's column that a change of the term by one is taken for."""
+        # A small term whose slope is let vary counts as a tenth of the force's level.
+        rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.level[force]
+        return float(np.clip(abs(self.theta[self.place(term)]) * rms, 0.1 * level, level) / rms)
+
+    def units(self) -> np.ndarray:
+        """Value of each coefficient at which its term is as large as the force."""
+        unit = np.full(len(self.free_parameters), np.inf)
+        for f, term in self.terms:
+            own = self.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
+            unit[self.place(term)] = min(unit[self.place(term)], own)
+        return np.where(unit < MOST_UNIT, unit, 1.0)  # Any unit serves for an empty column
+
+    def fitted(self, columns: np.ndarray, bank: bool = False, prefix: str = "") -> np.ndarray:
+        """Force of the first fit, or of its bank, by rows of the sums or of a derivative: (forces, rows)."""
+        total = np.zeros((self.count, self.each))
+        for f, term in self.terms:
+            name = prefix + term.name
+            if name in self.names and (term.from_bank or not bank):
+                total[f] += self.theta[self.place(term)] * columns[:, self.names[name]]
+        return total
+
+    def shift(self, prefix: str) -> np.ndarray:
+        """Force of the first fit along a derivative of its regressors, in the rows of every force."""
+        return self.fitted(self.columns, prefix=f"{prefix} of ").ravel()
+
+    def rate(self) -> np.ndarray:
+        """Rate of the force of the first fit; in harmonic motion that of an acceleration is -w2 times the velocity."""
+        total = self.shift("time")
+        for f, term in self.terms:
+            if velocity := VELOCITIES.get(term.inputs):
+                inertia = -term.regressor(1.0) * self.theta[self.place(term)]  # In the unit of the acceleration
+                total += self.of(f, inertia * self.frequency**2 * self.raw(velocity))
+        return total
+
+    def weights(self) -> np.ndarray:
+        """Weight of each row by which each motion counts alike, over the force's level; 0 of repeats."""
+        return np.asarray(self.all(self.of_mean / self.length) / np.repeat(self.level, self.each))
+
+    def _first_fit(self) -> np.ndarray:
+        """Ridge regression in which each motion counts alike."""
+        weight, count = self.weights(), self.is_mean.sum()
+        x, y = self.x * weight[:, None], self.y * weight
+        size = np.sqrt((x**2).sum(axis=0) / count)
+        # What rounding leaves of an empty column would have a coefficient of any size.
+        size = np.where(size * MOST_UNIT > 1, size, np.inf)
+        z = x / size
+        return np.asarray(np.linalg.solve(z.T @ z + RIDGE * count * np.eye(len(size)), z.T @ y) / size)
+
+
+def _blocks(
+    equations: NormalEquations, motions: DistinctMotions, sums: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, int, float, bool]]:
+    """Blocks of rows by sums of products of tests; exact copies of a test count once."""
+    from scipy.linalg import helmert
+
+    position = {name: i for i, name in enumerate(equations.names)}
+    basis = np.unique([i for name, i in equations.columns.items() if not _is_measured(name)])
+    one, total = equations.columns[ONE], sums.sum(axis=0)
+    usual = np.sqrt(np.maximum(np.diag(total)[basis], 0.0) / total[one, one])
+    # Sums of each test whose stretches count 1, 1/e, 1/e2 and so on.
+    passed, order = Counter[str](), []
+    for name in equations.tests:
+        order.append(passed[name])
+        passed[name] += 1
+    early = equations.by_test(equations.unweighted * np.exp(-np.array(order))[:, None, None])
+    blocks = []
+    # In an order that does not depend on that of the tests, so that rounding does not either.
+    for motion in sorted(range(len(motions)), key=[_key(gram) for gram in motions.sums].__getitem__):
+        tests = [position[name] for name in motions.members[motion]]
+        copies = {_key(sums[i]): i for i in reversed(tests)}  # A copy has the same sums of products to ten digits
+        own = sums[[copies[key] for key in sorted(copies)]]
+        mean = own.mean(axis=0)
+        # Gains and form errors do not cover faint directions: there noise of the motion would outweigh the force.
+        turn = _turn(mean[np.ix_(basis, basis)], usual * np.sqrt(mean[one, one]), least=0.1)
+        rows = turn @ own[:, basis]
+        mean = rows.mean(axis=0)
+        begin = turn @ early[tests].mean(axis=0)[basis]
+        blocks.append((mean, mean, begin, motion, float(len(own)), True))
+        contrasts = np.tensordot(helmert(len(rows)), rows, 1)
+        blocks += [(difference, mean, 0 * begin, motion, 1.0, False) for difference in contrasts]
+    return blocks
+
+
+def _is_measured(name: str) -> bool:
+    return name in "XYN" or name.startswith(("column |X|", "column |Y|", "column |N|", "mount of"))
+
+
+def _key(gram: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(f"{x:.10e}") for x in np.diag(gram))
+
+
+def _turn(gram: np.ndarray, size: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """T with T G T' = 1 over the directions that hold data: T A' are the rows of orthonormal columns."""
+    size = np.where(size > 0, size, np.inf)
+    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+    kept = values > max(least, RANK * max(values[-1], 1e-300))
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / size)
+
+
+def _noise(equations: NormalEquations, sums: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Variance of a row's noise, summed over a run, from the errors of fits to a run on its stretches."""
+    # Correlation within a stretch is included, since the error of a stretch is a sum over it.
+    names = [name for name in equations.columns if not _is_measured(name) and " " not in name]
+    index, one = np.unique([equations.columns[name] for name in names]), equations.columns[ONE]
+    pieces = equations.unweighted
+    score, rest, freedom, rows = np.zeros(len(y)), np.zeros(len(y)), 0.0, 0.0
+    for i in sorted(range(len(sums)), key=lambda i: _key(sums[i])):
+        whole = sums[i]
+        turn = _turn(whole[np.ix_(index, index)], np.sqrt(np.maximum(np.diag(whole)[index], 0.0)))
+        seen = turn @ whole[np.ix_(index, y)]
+        own = pieces[equations.test == i]
+        grams = turn @ own[:, index[:, None], index] @ turn.T
+        left = turn @ own[:, index[:, None], y] - grams @ seen
+        score += (left**2).sum(axis=(0, 1))
+        freedom += len(turn) - float((grams**2).sum())
+        rest += np.maximum(whole[y, y] - (seen**2).sum(axis=0), 0.0)
+        rows += whole[one, one] - len(turn)
+    plain = rest / max(rows, 1.0) if rows >= 1 else np.zeros(len(y))
+    return np.asarray(np.maximum(plain, score / freedom) if freedom > 1 else plain)

@@ -36,6 +36,7 @@ MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft"
 NOT_SET = ("x", "cos_psi", "heave")  # Quantities of terms that follow from the others
 Values = dict[Any, Number]  # Quantities of a block by name, and the columns so far by key
 Column = Callable[[Values], Number]
+NamedColumn = tuple[str, Any, Column]  # The key is that of its function: equal ones are one column
 # Name of the column of ones.
 ONE = "1"
 STEP = 1e-4  # Step of the central differences [rad, m, s]
@@ -68,23 +69,14 @@ class DesignMatrix:
     """Columns of the design by name; columns that are the same function share one place."""
 
     def __init__(self, terms: TermTable, effects: bool = True) -> None:
-        self.terms = terms
-        self.columns: dict[str, int] = {}
-        self.forces = [force for force in FORCES if terms.forces[force]]
+        self.terms, self.forces = terms, [force for force in FORCES if terms.forces[force]]
+        columns = [*_fitted_columns(terms, self.forces), *(_effect_columns(terms, self.forces) if effects else ())]
         self._functions: dict[Any, Column] = {}
+        for _, key, column in columns:
+            self._functions.setdefault(key, column)
+        places = {key: i for i, key in enumerate(self._functions)}
+        self.columns = {name: places[key] for name, key, _ in columns}
         self._memory = threading.local()
-        for term in terms.terms:
-            self._add(term.name, (term.regressor, term.inputs), partial(_evaluated, term))
-        for force in self.forces:
-            self._add(force, force, itemgetter(force))
-        self._add(ONE, ONE, lambda _: 1.0)
-        if effects:
-            for name, column in MOTION_COLUMNS.items():
-                self._add(f"column {name}", f"column {name}", column)
-            for term in terms.terms:
-                self._add_derivatives(term)
-            for force in self.forces:
-                self._add(f"column |{force}|{force}", f"column |{force}|{force}", partial(_signed_square, force))
 
     def evaluate(self, block: Block) -> np.ndarray:
         """Evaluate every column on a block of rows, (m, rows), into memory that the thread's next block overwrites."""
@@ -98,25 +90,32 @@ class DesignMatrix:
             q.setdefault(key, design[i])
         return design
 
-    def _add(self, name: str, key: Any, column: Column) -> None:
-        self._functions.setdefault(key, column)
-        self.columns[name] = list(self._functions).index(key)
 
-    def _add_derivatives(self, term: Term) -> None:
+def _fitted_columns(terms: TermTable, forces: list[str]) -> Iterator[NamedColumn]:
+    for term in terms.terms:
+        yield term.name, (term.regressor, term.inputs), partial(_evaluated, term)
+    for force in forces:
+        yield force, force, itemgetter(force)
+    yield ONE, ONE, lambda _: 1.0
+
+
+def _effect_columns(terms: TermTable, forces: list[str]) -> Iterator[NamedColumn]:
+    for name, column in MOTION_COLUMNS.items():
+        yield f"column {name}", f"column {name}", column
+    for term in terms.terms:
         own = (term.regressor, term.inputs)
-
-        def add(kind: str, column: Column) -> None:
-            self._add(f"{kind} of {term.name}", (kind, own), column)
-
+        kinds: dict[str, Column] = {"time": partial(_derivative, term, _rates)}
         if "v" in term.inputs:
-            add("heading", partial(_derivative, term, lambda q: {"v": q["u"]}))
-            add("heading with y", lambda q: q["heading", own] * q["y"])
-            add("mount", lambda q: q["heading", own] * q["N"])
+            kinds["heading"] = partial(_derivative, term, lambda q: {"v": q["u"]})
+            kinds["heading with y"] = partial(_times, ("heading", own), itemgetter("y"))
+            kinds["mount"] = partial(_times, ("heading", own), itemgetter("N"))
         if term.from_bank:
-            add("rail", partial(_derivative, term, lambda _: {"y": 1.0}))
-            for kind, form in FORM_COLUMNS.items():
-                add(kind, partial(_times, own, form))
-        add("time", partial(_derivative, term, _rates))
+            kinds["rail"] = partial(_derivative, term, lambda _: {"y": 1.0})
+            kinds |= {kind: partial(_times, own, form) for kind, form in FORM_COLUMNS.items()}
+        for kind, column in kinds.items():
+            yield f"{kind} of {term.name}", (kind, own), column
+    for force in forces:
+        yield f"column |{force}|{force}", f"column |{force}|{force}", partial(_signed_square, force)
 
 
 def _signed_square(name: str, q: Values) -> Number:

@@ -207,16 +207,14 @@ def _separating(
     offered: list[Run], adds: np.ndarray, known: np.ndarray, count: int, parameters: list[int]
 ) -> list[int]:
     """Straight runs at the highest speed, each mirrored: they separate the bank from period-dependent hull forces."""
-    steady: dict[tuple[float, ...], int] = {
-        (run.offset, run.drift, run.speed, run.depth or 0.0): i
+    steady = {
+        (run.offset, run.drift, run.speed, run.depth): i
         for i, run in enumerate(offered) if isinstance(run, StraightRun)
     }  # fmt: skip
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
-    half = [path for path in steady if path[0] > 0 and path[2] == fastest]
-    pairs = min(count // 2, len(half))
-    best = choose(adds[[steady[path] for path in half]], 0 * known, pairs, parameters) if pairs else []
-    mirrored = [((y, drift, *rest), (-y, -drift, *rest)) for y, drift, *rest in (half[i] for i in best)]
-    return [steady[path] for pair in mirrored for path in pair]
+    half = [(i, steady[-y, -drift, u, depth]) for (y, drift, u, depth), i in steady.items() if y > 0 and u == fastest]
+    best = choose(adds[[i for i, _ in half]], 0 * known, count // 2, parameters)
+    return [run for i in best for run in half[i]]
 
 
 def _forms(terms: TermTable) -> list[TermTable]:

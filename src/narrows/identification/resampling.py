@@ -82,27 +82,25 @@ class Predictiveness:
 def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
     """Predict each motion by the others, at the scales that all motions together show."""
     rows, weights = part.rows, part.posterior.weights
-    # For each motion and force: measured less predicted over its standard error, in the independent directions of the
-    # motion's rows; half widths of the predictive interval and the measured force, as root mean squares of the motion.
-    scores: dict[str, list[np.ndarray]] = {force: [] for force in rows.forces}
-    sizes: dict[str, list[np.ndarray]] = {force: [] for force in rows.forces}
+    # For each force and motion: measured less predicted over its standard error, in the independent directions of the
+    # motion's rows; half width of the predictive interval and the measured force, as root mean squares.
+    found: dict[str, list[tuple[np.ndarray, float, float]]] = {force: [] for force in rows.forces}
     for _, own, mean_rows in _motions(part):
         without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
-        chosen = own[mean_rows]
         means = np.stack([mean for mean, _, _ in without])[:, mean_rows]
         spreads = np.stack([np.diag(covariance) for _, covariance, _ in without])[:, mean_rows]
-        mean = weights @ means
-        std = np.sqrt(weights @ (spreads + (means - mean) ** 2))
-        measured, length = rows.y[chosen], rows.length[chosen % rows.each]
+        mean, chosen = weights @ means, own[mean_rows]
+        std, measured = np.sqrt(weights @ (spreads + (means - mean) ** 2)), rows.y[chosen]
         for f, force in enumerate(rows.forces):
             at = chosen // rows.each == f
-            scores[force].append(((measured - mean) / std)[at])
-            sizes[force].append(np.sqrt(((np.stack([HALF * std, measured]) / length)[:, at] ** 2).sum(axis=1)))
+            sizes = np.stack([HALF * std, measured])[:, at] / rows.length[chosen[at] % rows.each]
+            half, level = np.linalg.norm(sizes, axis=1).tolist()
+            found[force].append((((measured - mean) / std)[at], half, level))
     result = []
-    for force in rows.forces:
-        halves, levels = np.transpose(sizes[force])
-        held = float((np.abs(np.concatenate(scores[force])) < HALF).mean())
-        relative = float(np.median(halves / np.maximum(levels, 1e-300)))
+    for force, motions in found.items():
+        scores, halves, levels = zip(*motions, strict=True)
+        held = float((np.abs(np.concatenate(scores)) < HALF).mean())
+        relative = float(np.median(np.divide(halves, np.maximum(levels, 1e-300))))
         result.append(Predictiveness(force, held, float(np.median(halves)), relative, len(halves)))
     return result
 

@@ -9,8 +9,8 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.results import Aliased
-from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
+from narrows.identification.motions import ForceRows
 from narrows.identification.normal_equations import ONE
 from narrows.quantities.names import DEGREE, FORCES
 from narrows.ship.particulars import Configuration

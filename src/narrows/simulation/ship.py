@@ -32,7 +32,7 @@ from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
-    from narrows.waterway.table import LeastWalls, WaterwayTable
+    from narrows.waterway.waterway import LeastWalls, WaterwayTable
     from narrows.waterway.waterway import Waterway
 
 
@@ -104,7 +104,7 @@ def across_of(waterway: "Waterway | None") -> Across:
 
 
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
-    from narrows.waterway.table import STEPS_A_BEAM
+    from narrows.waterway.waterway import STEPS_A_BEAM
 
     ship = model.configuration.ship
     waterway.check_fits(ship)
@@ -141,7 +141,7 @@ _TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarra
 def _tabulated(
     waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
 ) -> "tuple[WaterwayTable, np.ndarray]":
-    from narrows.waterway.table import least_walls, tabulate
+    from narrows.waterway.waterway import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
     parts = waterway.starboard, waterway.port, waterway.depths
@@ -171,7 +171,7 @@ def bend_channel(
 ) -> Channel:
     """Return the model's canal in a bend of constant curvature and a given length [m]."""
     # walls: where a keel meets the banks, to port and to starboard of the middle [m]; curvature to starboard [1/m]
-    from narrows.waterway.table import STEPS_A_BEAM, WaterwayTable, least_walls
+    from narrows.waterway.waterway import STEPS_A_BEAM, WaterwayTable, least_walls
 
     ship, canal = model.configuration.ship, model.configuration.canal
     s = np.linspace(0.0, length, int(np.ceil(length * STEPS_A_BEAM / ship.beam)) + 1)

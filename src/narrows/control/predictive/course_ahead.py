@@ -69,7 +69,7 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
         walls = [float(values.get(name, canal.width / 2)) for name in ("wall_starboard", "wall_port")]
         row = np.array([canal.width, 0.0, own_depth, 0.0, *walls, 0.0])
         return WaterAhead(np.stack([row, row]), 1.0, section=())
-    from narrows.waterway.table import tabulate
+    from narrows.waterway.waterway import tabulate
 
     waterway.check_fits(ship)
     check_along_only(waterway, "a plan")
