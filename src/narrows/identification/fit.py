@@ -1,6 +1,6 @@
 """The result of a fit; each part is computed when it is first used."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -53,7 +53,6 @@ class Fit(BaseResult):
     tests: Tests  #: The fitted tests
     normal_equations: NormalEquations  #: Sums over the rows
     problem: Problem  #: The terms, their bounds and ties
-    left_out: Mapping[str, Score]  #: R2 and RMSE of each force on distinct motions left out in turn
     data_range: DataRange  #: Ranges that the rows cover
     errors: RunErrors  #: Prior sizes of the differences between runs beyond their noise
     __eq__ = same_content
@@ -124,7 +123,7 @@ class Fit(BaseResult):
     @cached_property
     def scores(self) -> dict[str, Score]:
         """R2 and RMSE of each force on the rows of the fit, with the weights of the fit."""
-        return score(self.normal_equations, self.normal_equations.total, self.terms, self.coefficients)
+        return self.score()
 
     @property
     def rsquared(self) -> dict[str, float]:
@@ -135,6 +134,14 @@ class Fit(BaseResult):
     def rmse(self) -> dict[str, float]:
         """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
         return {force: fitted.rmse for force, fitted in self.scores.items()}
+
+    @cached_property
+    def left_out(self) -> dict[str, Score]:
+        """R2 and RMSE of each force on distinct motions left out in turn."""
+        if len(self.motions) < 2:
+            return dict.fromkeys(self.scores, Score(float("nan"), float("nan")))
+        others = self.problem.fits(self.motions.without)
+        return score(self.normal_equations, self.motions.sums, self.terms, others)
 
     @cached_property
     def left_out_speeds(self) -> dict[str, Score]:
@@ -253,7 +260,8 @@ class Fit(BaseResult):
 
     def score(self, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other ``tests``, read for a ``ship`` where they were not read yet."""
-        equations, _ = accumulate(self._or_own(tests, ship), self.terms, balance=self.normal_equations.balance)
+        own, balance = self.normal_equations, self.normal_equations.balance
+        equations = own if tests is None else accumulate(self._or_own(tests, ship), self.terms, balance=balance)[0]
         return score(equations, equations.total, self.terms, self.coefficients)
 
     def plot_residuals(self, ax: "Axes | None" = None, force: str | None = None) -> "Figure":

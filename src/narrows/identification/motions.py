@@ -55,9 +55,7 @@ class DistinctMotions:
 
     @property
     def by_speed(self) -> list[np.ndarray]:
-        group = self.level("speed")
-        groups = [np.flatnonzero(group == number) for number in range(group.max() + 1)]
-        return sorted(groups, key=lambda members: float(self.features["speed"][members[0]]))
+        return sorted(grouped(self.features["speed"]), key=lambda members: float(self.features["speed"][members[0]]))
 
     @property
     def sentence(self) -> str:
@@ -125,6 +123,12 @@ def numbered(values: Sequence[float] | np.ndarray) -> np.ndarray:
             first, count = float(values[i]), count + 1
         group[i] = count
     return _in_order_of_appearance(group)
+
+
+def grouped(values: np.ndarray) -> list[np.ndarray]:
+    """Indices of the values of each number."""
+    number = numbered(values)
+    return [np.flatnonzero(number == own) for own in range(number.max() + 1)]
 
 
 def _in_order_of_appearance(group: np.ndarray) -> np.ndarray:

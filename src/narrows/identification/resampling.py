@@ -11,7 +11,7 @@ from narrows.base.results import with_error
 from narrows.identification.estimates import HALF, CoefficientEstimates, ForcePosterior, bounded_interval, estimates
 from narrows.identification.least_squares import Problem, solve_many
 from narrows.identification.mixed_model import one_thread
-from narrows.identification.motions import DistinctMotions, distinct_motions
+from narrows.identification.motions import DistinctMotions, distinct_motions, grouped
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import RunErrors
 from narrows.quantities.names import FORCES
@@ -173,14 +173,14 @@ def depth_tests(
     from scipy.special import chdtrc
 
     bank = [i for i, term in enumerate(problem.terms.terms) if term.from_bank]
-    depth, group = motions.features["depth"], motions.level("depth")
-    if group.max() == 0 or not bank:
+    depth = motions.features["depth"]
+    groups = sorted(grouped(depth), key=lambda members: float(depth[members].mean()))
+    if len(groups) < 2 or not bank:
         return {}
     depths, found = [], []
-    for number in np.argsort([depth[group == number].mean() for number in range(group.max() + 1)]):
-        names = {name for i in np.flatnonzero(group == number) for name in motions.members[i]}
-        part = equations.of_tests(names)
-        depths.append(round(float(depth[group == number].mean()), 9))
+    for members in groups:
+        part = equations.of_tests({name for i in members for name in motions.members[i]})
+        depths.append(round(float(depth[members].mean()), 9))
         found.append(estimates(part, distinct_motions(part), problem, errors, configuration))
     values, std = np.array([(one.free_values[bank], one.free_std[bank]) for one in found]).transpose(1, 2, 0)
     means = (values / std**2).sum(axis=1) / (1 / std**2).sum(axis=1)
