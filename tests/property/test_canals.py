@@ -228,8 +228,8 @@ def test_a_current_without_a_waterway_is_refused(cli) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"features": None}, "no list of GeoJSON features"),
-        ({"features": ["a"]}, "no list of GeoJSON features"),
+        ({"features": None}, "not a GeoJSON FeatureCollection"),
+        ({"features": ["a"]}, "not a GeoJSON FeatureCollection"),
         ({"depth": "deep"}, "is not a number or one for each point"),
         ({"depth": True}, "is not a number or one for each point"),
         ({"depth": {"a": 1}}, "is not a number or one for each point"),

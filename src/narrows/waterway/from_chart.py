@@ -1,8 +1,6 @@
 """A waterway from a chart: the first lines that the normals of a centreline meet, and the depths along it."""
 
 import json
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,7 +12,7 @@ from narrows.base.errors import InputError, needs
 from narrows.waterway.banks import SIGNS, Bank, Normals, bank_from_points, seen_pieces
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
-from narrows.waterway.map_lines import TOUCHING, gdal, origin_of, projected
+from narrows.waterway.map_lines import TOUCHING, gdal, origin_of, projected, read_layer
 from narrows.waterway.waterway import Waterway
 
 # Distance greater than any waterway's width [m].
@@ -144,38 +142,19 @@ def read_chart(path: str | Path) -> Chart:
         driver = pyogrio.read_info(path, layer=sorted(names)[0])["driver"]
         if driver != "S57" or names >= BARE:
             raise InputError(f"{path}: is not a cell of an electronic chart (S-57); give the .000 file")
-        unit = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]["DSPM_DUNI"]
+        meta, _, _, codes = pyogrio.raw.read(path, layer="DSID", columns=["DSPM_DUNI"], read_geometry=False, **OPTIONS)
+        unit = codes[0] if len(meta["fields"]) else ()
         if len(unit) and unit[0] != METRES:
             raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
         banks, areas = list[np.ndarray](), list[tuple[Any, float]]()
         for layer in (one for one in BANKS if one in names):
-            shapes, _ = _read(pyogrio, path, layer, ())
-            lines = [line for _, line in _parts(shapes, "LineString")]
-            rings = [ring for _, area in _parts(shapes, "Polygon") for ring in (area.exterior, *area.interiors)]
-            banks += [np.array(line.coords)[:, :2] for line in (*lines, *rings)]
+            _, shapes = read_layer(pyogrio, path, layer, columns=[], **OPTIONS)
+            for _, shape in shapes:
+                rings = (shape.exterior, *shape.interiors) if shape.geom_type == "Polygon" else (shape,)
+                banks += [np.array(line.coords)[:, :2] for line in rings if line.geom_type != "Point"]
         for layer in (one for one in DEPTH_AREAS if one in names):
-            shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
-            least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
-            areas += [(area, float(least[number])) for number, area in _parts(shapes, "Polygon")]
+            _, shapes = read_layer(pyogrio, path, layer, columns=["DRVAL1"], **OPTIONS)
+            areas += [(area, float(own.get("DRVAL1", np.nan))) for own, area in shapes if area.geom_type == "Polygon"]
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: is not a cell of an electronic chart ({str(error).split(';')[0]})") from None
     return Chart(tuple(banks), tuple(areas), path.stem)
-
-
-def _read(pyogrio: Any, path: Path, layer: str, columns: Sequence[str]) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-    """Geometries as WKB, and columns by name: files differ in the order and choice of columns."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Attributes .* ignored", RuntimeWarning)
-        meta, _, shapes, values = pyogrio.raw.read(
-            path, layer=layer, columns=list(columns), read_geometry=layer != "DSID", **OPTIONS
-        )
-    return shapes, {str(name): value for name, value in zip(meta["fields"], values, strict=True)}
-
-
-def _parts(shapes: np.ndarray, kind: str) -> Iterator[tuple[int, Any]]:
-    import shapely
-
-    parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
-    for part, number in zip(parts, whose.tolist(), strict=True):
-        if part.geom_type == kind and not part.is_empty:
-            yield number, part

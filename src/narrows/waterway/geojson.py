@@ -234,13 +234,9 @@ def read_features(path: Path) -> list[Feature]:
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8-sig"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
-    document = _as_collection(document)
-    if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
-        raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
-    features = document.get("features")
+    features, found = _features_of(document), []
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
-        raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
-    found = []
+        raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
     for number, feature in enumerate(features):
         for name in ("properties", "geometry"):
             if (value := feature.get(name)) is not None and not isinstance(value, Mapping):
@@ -254,16 +250,15 @@ def read_features(path: Path) -> list[Feature]:
     return whole or joined([part for one in found for part in _parts(one)])
 
 
-def _as_collection(document: Any) -> Any:
-    """Return a lone feature or bare geometries as the features of a collection."""
+def _features_of(document: Any) -> Any:
+    """The features of a collection, a lone feature or bare geometries as features."""
     kind = document.get("type") if isinstance(document, Mapping) else None
-    if kind == "Feature":
-        return {"type": "FeatureCollection", "features": [document]}
+    if kind in ("Feature", "FeatureCollection"):
+        return [document] if kind == "Feature" else document.get("features")
     shapes = document.get("geometries") if kind == "GeometryCollection" else [document]
     if kind in ("LineString", "MultiLineString", "GeometryCollection") and isinstance(shapes, list):
-        features = [{"type": "Feature", "properties": {}, "geometry": shape} for shape in shapes]
-        return {"type": "FeatureCollection", "features": features}
-    return document
+        return [{"geometry": shape} for shape in shapes]
+    return None
 
 
 def _parts(feature: Feature) -> list[Feature]:

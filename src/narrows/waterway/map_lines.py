@@ -1,6 +1,7 @@
 """Lines of a map as people have them: projected, of other programs, roles in other words, two banks alone."""
 
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -151,6 +152,10 @@ class Feature(NamedTuple):
         return None
 
 
+# Properties, and a Shapely geometry of one piece.
+Shape = tuple[Mapping[str, Any], Any]
+
+
 def gdal(path: Path, what: str) -> Any:
     """Return the library that reads maps and charts, if it and the file exist."""
     with needs("charts", what):
@@ -162,6 +167,19 @@ def gdal(path: Path, what: str) -> Any:
     return pyogrio
 
 
+def read_layer(pyogrio: Any, path: Path, layer: str, **options: Any) -> tuple[str, list[Shape]]:
+    """Return the coordinate system of a layer, and its shapes, each of one piece, with their properties."""
+    import shapely
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Attributes .* ignored", RuntimeWarning)
+        meta, _, shapes, columns = pyogrio.raw.read(path, layer=layer, **options)
+    fields = [dict(zip(map(str, meta["fields"]), row, strict=True)) for row in zip(*columns, strict=True)]
+    parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
+    pieces = zip(parts, whose.tolist(), strict=True)
+    return str(meta["crs"] or "CRS84"), [(fields[i] if fields else {}, part) for part, i in pieces if not part.is_empty]
+
+
 def read_other(path: Path) -> list[Feature]:
     """Read the lines and areas of a file that GDAL supports, in degrees."""
     pyogrio, features = gdal(path, f"a {path.suffix} file"), []
@@ -169,15 +187,9 @@ def read_other(path: Path) -> list[Feature]:
 
     try:
         for layer in pyogrio.list_layers(path)[:, 0]:
-            meta, _, shapes, columns = pyogrio.raw.read(path, layer=str(layer))
-            values = [dict(zip(meta["fields"], row, strict=True)) for row in zip(*columns, strict=True)]
-            parts, whose = shapely.get_parts(shapely.from_wkb(shapes), return_index=True)
-            if not len(parts):
-                continue
-            turned = into_degrees(str(meta["crs"] or "CRS84"), str(path))
-            for part, number in zip(parts, whose.tolist(), strict=True):
-                geometry = turned(shapely.geometry.mapping(part))
-                features.append(Feature(values[number] if values else {}, geometry))
+            crs, parts = read_layer(pyogrio, path, str(layer))
+            turned = into_degrees(crs, str(path)) if parts else dict
+            features += [Feature(own, turned(shapely.geometry.mapping(part))) for own, part in parts]
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
     return features
