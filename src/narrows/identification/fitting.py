@@ -22,11 +22,10 @@ from narrows.identification.normal_equations import Balance, Score, accumulate, 
 from narrows.identification.systematic_effects import RunErrors
 from narrows.identification.verdict import NOT_SEPARABLE, unmodelled_rudder
 from narrows.model.additions import pooled
-from narrows.model.bank_forms import FORMS, OPEN_WATER
 from narrows.model.data_range import extrapolation
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
-from narrows.model.tables import BARE, PAPER, STEERED, table_named
+from narrows.model.tables import BARE, FORMS, OPEN_WATER, PAPER, STEERED, table_named
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES
 from narrows.ship.ship_file import ShipSource

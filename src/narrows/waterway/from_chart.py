@@ -142,10 +142,10 @@ def read_chart(path: str | Path) -> Chart:
         driver = pyogrio.read_info(path, layer=sorted(names)[0])["driver"]
         if driver != "S57" or names >= BARE:
             raise InputError(f"{path}: is not a cell of an electronic chart (S-57); give the .000 file")
-        meta, _, _, codes = pyogrio.raw.read(path, layer="DSID", columns=["DSPM_DUNI"], read_geometry=False, **OPTIONS)
-        unit = codes[0] if len(meta["fields"]) else ()
-        if len(unit) and unit[0] != METRES:
-            raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
+        _, _, _, codes = pyogrio.raw.read(path, layer="DSID", columns=["DSPM_DUNI"], read_geometry=False, **OPTIONS)
+        for unit in np.ravel(codes).tolist()[:1]:
+            if unit != METRES:
+                raise InputError(f"{path}: its depths are not in metres (unit {unit}); convert the cell")
         banks, areas = list[np.ndarray](), list[tuple[Any, float]]()
         for layer in (one for one in BANKS if one in names):
             _, shapes = read_layer(pyogrio, path, layer, columns=[], **OPTIONS)
