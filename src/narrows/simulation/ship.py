@@ -32,8 +32,7 @@ from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
-    from narrows.waterway.waterway import LeastWalls, WaterwayTable
-    from narrows.waterway.waterway import Waterway
+    from narrows.waterway.waterway import LeastWalls, Waterway, WaterwayTable
 
 
 @dataclass(frozen=True)
