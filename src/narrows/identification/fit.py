@@ -137,7 +137,7 @@ class Fit(BaseResult):
 
     @cached_property
     def left_out(self) -> dict[str, Score]:
-        """R2 and RMSE of each force on distinct motions left out in turn."""
+        """R2 and RMSE of each force by cross-validation: on distinct motions, left out in turn."""
         if len(self.motions) < 2:
             return dict.fromkeys(self.scores, Score(float("nan"), float("nan")))
         others = self.problem.fits(self.motions.without)
