@@ -31,23 +31,20 @@ def update(
     z: np.ndarray, cov: np.ndarray, row: np.ndarray, residual: float, variance: float, innovation: np.ndarray,
     spread: np.ndarray, gains: np.ndarray, i: int,
 ) -> None:  # fmt: skip
-    size = len(z)
-    e, s = residual, variance
-    gain = gains[i]
+    e, s, gain = residual, variance, gains[i]
     gain[:] = 0.0
-    for q in range(size):
+    for q in range(len(z)):
         if row[q] != 0.0:
             e -= row[q] * z[q]
-            for p in range(size):
+            for p in range(len(z)):
                 gain[p] += row[q] * cov[q, p]
-    for p in range(size):
+    for p in range(len(z)):
         s += row[p] * gain[p]
-    for p in range(size):
+    for p in range(len(z)):
         z[p] += gain[p] * e / s
-        for q in range(size):
+        for q in range(len(z)):
             cov[p, q] -= gain[p] * gain[q] / s
-    for p in range(size):
-        gain[p] /= s
+    gain /= s
     innovation[i], spread[i] = e, s
 
 
@@ -85,23 +82,15 @@ def smooth(
 ) -> None:  # fmt: skip
     """Write smoothed means in the place of the predicted ones."""
     # The modified Bryson-Frazier smoother, which inverts nothing: Bierman (1973), Automatica 9.
-    size = means.shape[1]
-    adjoint, before = np.zeros(size), np.zeros(size)
+    adjoint = np.zeros(means.shape[1])
     for k in range(len(slopes) - 1, -1, -1):
-        for j in range(size):
-            before[j] = kept[j - 6] * adjoint[j] if j >= 6 else 0.0
-            for i in range(6):
-                before[j] += slopes[k, i, j] * adjoint[i]
-        adjoint[:] = before
+        before = np.dot(adjoint[:6], slopes[k])
+        for j in range(6, len(adjoint)):
+            before[j] += kept[j - 6] * adjoint[j]
+        adjoint = before
         for i in range(first[k + 1] - 1, first[k] - 1, -1):
-            weight = innovation[i] / spread[i]
-            for p in range(size):
-                weight -= gains[i, p] * adjoint[p]
-            for p in range(size):
-                adjoint[p] += rows[i, p] * weight
-        for p in range(size):
-            for q in range(size):
-                means[k, p] += covariances[k, p, q] * adjoint[q]
+            adjoint += rows[i] * (innovation[i] / spread[i] - np.dot(gains[i], adjoint))
+        means[k] += np.dot(covariances[k], adjoint)
         if not math.isfinite(means[k, 0]):
             return
 
