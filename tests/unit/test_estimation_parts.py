@@ -9,17 +9,21 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.estimation import Gnss, Gyro, Log, fault_bank
-from narrows.estimation.fault_bank import (
+from narrows.estimation import Gnss, Gyro, Log, filter_run
+from narrows.estimation.estimator import checked_readings, records_of, rows_of
+from narrows.estimation.filter_run import (
     FaultBank,
+    FilterRun,
     Hypothesis,
+    Moment,
+    Start,
     _likelihood,
     _most_likely,
     _penalty_of_faults,
     _sentence,
     _still_refused,
+    replay,
 )
-from narrows.estimation.filter_run import FilterRun, Moment, Start, checked_readings, records_of, replay, rows_of
 from narrows.estimation.ship_filter import MotionStep, UpdateResult
 from narrows.estimation.states import Gaussian, StateNames
 
@@ -390,4 +394,4 @@ def test_a_stuck_or_faulty_sensor_is_judged_once_in_a_window(monkeypatch: Any) -
     # From the 20th equal reading on, but not within 20 s of the start, and again 120 s later.
     assert asked == [(["a"], frozenset({"a"}))] * 2
     assert made._next == 150.0
-    assert fault_bank.settings.REPLAY_TIME * 2.0 == made.window
+    assert filter_run.settings.REPLAY_TIME * 2.0 == made.window

@@ -4,28 +4,18 @@ In real time by a filter forward; of whole records by the smoother too, with the
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, check_choice
+from narrows.base.errors import InputError, check_choice, did_you_mean
 from narrows.base.results import BaseSummary
 from narrows.estimation import settings
-from narrows.estimation.fault_bank import FaultBank
-from narrows.estimation.filter_run import (
-    AGROUND,
-    FilterRun,
-    Moment,
-    Reading,
-    Start,
-    checked_readings,
-    records_of,
-    rows_of,
-)
-from narrows.estimation.sensors import split_sensors
+from narrows.estimation.filter_run import AGROUND, FaultBank, FilterRun, Moment, Start
+from narrows.estimation.sensors import Sensor, split_sensors
 from narrows.estimation.ship_filter import MODEL, Coefficients, MotionStep, ShipFilter, UpdateResult
 from narrows.estimation.states import Estimate, EstimatedTrack, Gaussian, Prior, ProcessNoise
 from narrows.model.model import Model
@@ -38,6 +28,8 @@ if TYPE_CHECKING:
 
     from narrows.waterway.waterway import Waterway
 
+# Readings from a bridge: by name, checked, without NaN.
+Reading = float | Sequence[float]
 # Notes of an estimate by the fields of an ``UpdateResult``.
 SENTENCES = {
     "refused": "The reading of {} is too far from the prediction: refused.",
@@ -294,3 +286,73 @@ def smoothed(steps: Sequence[MotionStep], last: Gaussian) -> list[tuple[np.ndarr
         covariance = (covariance + covariance.T) / 2
         found.append((mean, covariance))
     return found[::-1]
+
+
+TIME = "t"
+
+
+def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> "pd.DataFrame":
+    """Return a column for each field and each actuator, NaN without readings, over rising times."""
+    import pandas as pd
+
+    try:
+        frame = pd.DataFrame(table.to_dataframe() if hasattr(table, "to_dataframe") else table)
+        frame = (frame.reset_index() if frame.index.name == TIME else frame).astype(float)
+    except (TypeError, ValueError):
+        raise InputError(
+            "records are columns of numbers; give a DataFrame, a Dataset or a mapping, NaN for none"
+        ) from None
+    known = [TIME, *(field for sensor in sensors.values() for field in sensor.fields), *actuators]
+    for name in frame.columns:
+        if name not in known:
+            raise InputError(f"no sensor of this estimator has a column {name!r}{did_you_mean(str(name), known)}")
+    if TIME not in frame:
+        raise InputError("records need their times; give a column t [s]")
+    t = frame[TIME].to_numpy()
+    if len(t) == 0 or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any():
+        raise InputError("times of records are finite and rise; sort them, and merge rows of one time")
+    return frame.reindex(columns=known).set_index(TIME)
+
+
+def rows_of(
+    records: "pd.DataFrame", sensors: Mapping[str, Sensor], actuators: Sequence[str]
+) -> Iterator[tuple[float, dict[str, tuple[float, ...]]]]:
+    """Yield each time with its readings, and positions of actuators, without NaN."""
+    fields = {**{name: list(sensor.fields) for name, sensor in sensors.items()}, **{name: [name] for name in actuators}}
+    columns = {name: records[own].to_numpy() for name, own in fields.items()}
+    for number, t in enumerate(records.index.tolist()):
+        now = {name: column[number] for name, column in columns.items()}
+        yield t, {name: tuple(row.tolist()) for name, row in now.items() if np.isfinite(row).all()}
+
+
+def checked_readings(
+    readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]
+) -> tuple[dict[str, tuple[float, ...]], dict[str, float], list[str]]:
+    """Split readings into those of sensors and of actuators, without NaN, and a note on invalid ones."""
+    measured: dict[str, tuple[float, ...]] = {}
+    positions: dict[str, float] = {}
+    lost, known = [], (*sensors, *actuators)
+    for name, reading in readings.items():
+        if name not in known:
+            raise InputError(f"no sensor of this estimator is called {name!r}{did_you_mean(name, known)}")
+        numbers = _numbers(name, reading, len(sensors[name].fields) if name in sensors else 1)
+        if not all(map(math.isfinite, numbers)):
+            lost.append(name)
+        elif name in sensors:
+            measured[name] = numbers
+        else:
+            positions[name] = numbers[0]
+    notes = [f"The reading of {' and '.join(lost)} is not a number and was not used."] if lost else []
+    return measured, positions, notes
+
+
+def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
+    if count == 1 and isinstance(reading, float):  # Fast path for the most frequent case
+        return (reading,)
+    try:
+        numbers = tuple(np.asarray(math.nan if reading is None else reading, float).ravel().tolist())
+    except (TypeError, ValueError):
+        numbers = ()
+    if len(numbers) != count and reading is not None:
+        raise InputError(f"a reading of {name} is {count} number(s), and this one is {reading!r}; give as many")
+    return numbers

@@ -1,21 +1,29 @@
-"""A run of one filter: its readings, checked; its start; its history, for late readings."""
+"""Runs of filters: the start, the history for late readings, and the bank of filters that isolates faults.
+
+All filters of the bank explain the same recent readings, each with an error of one sensor as a state: a small drift
+from one of several onsets, or a recent step. The most likely one names the faulty sensor, which is then left out.
+
+Source: Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in
+linear systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart after lasting refusal, follow PX4's
+EKF2.
+"""
 
 import math
-from bisect import bisect_right
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from narrows.base.errors import InputError, did_you_mean
-from narrows.estimation.sensors import Sensor, error_states
+from narrows.base.errors import InputError
+from narrows.estimation import settings
+from narrows.estimation.sensors import error_states
 from narrows.estimation.settings import SAME_TIME, START_READINGS
-from narrows.estimation.ship_filter import MotionStep, ShipFilter, UpdateResult
+from narrows.estimation.ship_filter import MODEL, MotionStep, ShipFilter, UpdateResult
 from narrows.estimation.states import Columns, Gaussian
-
-if TYPE_CHECKING:
-    import pandas as pd
+from narrows.simulation.kernel_run import RUDDER
 
 Readings = dict[str, tuple[float, ...]]
 AGROUND = "At t = {:g} s the estimate lay in a bank or beyond the waterway: it begins anew."
@@ -111,79 +119,6 @@ def replay(
     return run if afloat else None
 
 
-TIME = "t"
-# Readings from a bridge: by name, checked, without NaN.
-Reading = float | Sequence[float]
-
-
-def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> "pd.DataFrame":
-    """Return a column for each field and each actuator, NaN without readings, over rising times."""
-    import pandas as pd
-
-    try:
-        frame = pd.DataFrame(table.to_dataframe() if hasattr(table, "to_dataframe") else table)
-        frame = (frame.reset_index() if frame.index.name == TIME else frame).astype(float)
-    except (TypeError, ValueError):
-        raise InputError(
-            "records are a DataFrame, a Dataset or a mapping of columns of numbers, all of one length; give one, with "
-            "missing values empty (NaN)"
-        ) from None
-    known = [TIME, *(field for sensor in sensors.values() for field in sensor.fields), *actuators]
-    for name in frame.columns:
-        if name not in known:
-            raise InputError(f"no sensor of this estimator has a column {name!r}{did_you_mean(str(name), known)}")
-    if TIME not in frame:
-        raise InputError("records need their times; give a column t [s]")
-    t = frame[TIME].to_numpy()
-    if len(t) == 0 or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any():
-        raise InputError("times of records are finite and rise; sort them, and merge rows of one time")
-    return frame.reindex(columns=known).set_index(TIME)
-
-
-def rows_of(
-    records: "pd.DataFrame", sensors: Mapping[str, Sensor], actuators: Sequence[str]
-) -> Iterator[tuple[float, dict[str, tuple[float, ...]]]]:
-    """Yield each time with its readings, and positions of actuators, without NaN."""
-    fields = {**{name: list(sensor.fields) for name, sensor in sensors.items()}, **{name: [name] for name in actuators}}
-    columns = {name: records[own].to_numpy() for name, own in fields.items()}
-    for number, t in enumerate(records.index.tolist()):
-        now = {name: column[number] for name, column in columns.items()}
-        yield t, {name: tuple(row.tolist()) for name, row in now.items() if np.isfinite(row).all()}
-
-
-def checked_readings(
-    readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]
-) -> tuple[dict[str, tuple[float, ...]], dict[str, float], list[str]]:
-    """Split readings into those of sensors and of actuators, without NaN, and a note on invalid ones."""
-    measured: dict[str, tuple[float, ...]] = {}
-    positions: dict[str, float] = {}
-    lost, known = [], (*sensors, *actuators)
-    for name, reading in readings.items():
-        if name not in known:
-            raise InputError(f"no sensor of this estimator is called {name!r}{did_you_mean(name, known)}")
-        numbers = _numbers(name, reading, len(sensors[name].fields) if name in sensors else 1)
-        if not all(map(math.isfinite, numbers)):
-            lost.append(name)
-        elif name in sensors:
-            measured[name] = numbers
-        else:
-            positions[name] = numbers[0]
-    notes = [f"The reading of {' and '.join(lost)} is not a number and was not used."] if lost else []
-    return measured, positions, notes
-
-
-def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
-    if count == 1 and isinstance(reading, float):  # Fast path for the most frequent case
-        return (reading,)
-    try:
-        numbers = tuple(np.asarray(math.nan if reading is None else reading, float).ravel().tolist())
-    except (TypeError, ValueError):
-        numbers = ()
-    if len(numbers) != count and reading is not None:
-        raise InputError(f"a reading of {name} is {count} number(s), and this one is {reading!r}; give as many")
-    return numbers
-
-
 # States needed for a start, in words; the other states begin at their priors.
 NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
 
@@ -261,3 +196,194 @@ class Start:
         turned[2] += small
         root[:2] -= np.outer((measured(turned) - measured(mean)) / small, root[2])
         return mean
+
+
+Faults = frozenset[str]
+
+
+class Hypothesis(NamedTuple):
+    faults: Faults
+    run: FilterRun  # Filter with these faults, run over the moments of the window
+    score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
+    is_restart: bool = False  # True if it starts from readings and not from the estimate
+
+
+@dataclass
+class FaultBank:
+    filter: ShipFilter  # Filter without faults
+    t: float = 0.0  # Time of the start [s]
+    faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
+    _refused: dict[str, float] = field(default_factory=dict)
+    _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
+    _since: dict[str, float] = field(default_factory=dict)
+    _watched: float | None = None
+
+    def __post_init__(self) -> None:
+        self.horizon = max(sensor.delay for sensor in self.filter.sensors.values())  # Largest delay of a reading [s]
+        self.scale = self.filter.time_scale
+        self.wait, self.window = settings.JUDGE_WAIT * self.scale, settings.REPLAY_TIME * self.scale
+        self.kept = max(self.horizon, self.window)
+        self._next = self._routine = self.t
+        self._suspects = [*self.filter.sensors, *({RUDDER} & set(self.filter.actuators)), MODEL]
+
+    def test_hypotheses(self, run: FilterRun, read: Readings) -> tuple[FilterRun, str]:
+        """Return the run of the most likely hypothesis on new readings, and a sentence if the hypothesis changed."""
+        t = run.last.t
+        refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(read)
+        routine = bool(stuck - self.faults or self.faults) and t >= self._routine
+        young = t - run.begun < self.window
+        if t < max(self._next, run.begun + 2 * self.wait) or not (refusing or drifting or routine):
+            return run, ""
+        self._next, self._routine = t + self.wait, t + self.window
+        suspects = [one for one in self._suspects if refusing or drifting or one in stuck]
+        best = self._best_hypothesis(run, suspects, refusing, stuck)
+        # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
+        # explains.
+        unexplained = young or best is None or (refusing and _still_refused(best.run))
+        restart = self._restart_hypothesis(run) if unexplained else None
+        cost = 0.0 if young else settings.FAULT_PRIOR
+        if restart and (
+            best is None
+            or restart.score - cost > _likelihood(best.run, restart.run.begun) - _penalty_of_faults(best.faults)
+        ):
+            best = restart
+        if best is None or (best.faults == self.faults and not best.is_restart):
+            return run, ""
+        return self._switched_to(run, best, t)
+
+    def _switched_to(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
+        own, (first, *later) = self.filter.with_faults(best.faults & {RUDDER, MODEL}), best.run.history
+        first = first._replace(state=own.adopt(first.state, best.run.filter), monitor=own.monitor())
+        after = replay(own, first, later, self.horizon, self.kept, best.faults)
+        if after is None:
+            return run, ""
+        if not best.is_restart:
+            after.begun = run.begun
+            if own.states == run.filter.states:
+                before = bisect_left(run.history, first.t - settings.SAME_TIME, key=lambda one: one.t)
+                after.history[:0] = run.history[:before]
+        said = _sentence(t, self.faults, best.faults, best.is_restart)
+        self._since |= dict.fromkeys(best.faults - self.faults, t)
+        self.faults, self._refused, after.results = best.faults, {}, []
+        return after, said
+
+    def _refusing(self, run: FilterRun, t: float) -> bool:
+        for result in run.results:
+            odd = (*result.refused, *result.surprising)
+            for name in result.nis:
+                if name in odd:
+                    self._refused.setdefault(name, t)
+                else:
+                    self._refused.pop(name, None)
+        periods = ((t - since) / self.filter.sensors[name].period for name, since in self._refused.items())
+        return max(periods, default=0.0) >= settings.REFUSED_PERIODS
+
+    def _drifting(self, run: FilterRun, t: float) -> bool:
+        """Return whether a sensor drifts, or seemed to some readings ago: a step shows in the readings after it."""
+        drift = max((result.drift_statistic for result in run.results), default=0.0)
+        if self._watched is None and drift > settings.BANK_THRESHOLD and not self.faults:
+            self._watched = t
+        if self._watched is not None and t >= self._watched + self.wait:
+            self._watched = None
+            return True
+        return drift > settings.DRIFT_THRESHOLD
+
+    def _stuck(self, read: Readings) -> Faults:
+        """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
+        for name, reading in read.items():
+            value, count = self._same.get(name, (None, 0))
+            self._same[name] = (reading, count + 1 if reading == value else 1)
+        return frozenset(name for name, (_, count) in self._same.items() if count >= settings.STUCK_READINGS)
+
+    def _best_hypothesis(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Hypothesis | None:
+        """Return the best of: no change, one sensor sound again, one more with a drift or a step."""
+        moments, t, known = run.history, run.last.t, self.faults | stuck
+        base = self._scored(self.faults, run.filter, moments, known)
+        tried = [base]
+        for one in self.faults - stuck:
+            lasting = base and t - self._since[one] < settings.LONGEST_FAULT * self.scale
+            cost = 0.0
+            if lasting and base and not self._small(base.run, one):  # Without the wide error, right or wrong, it gains
+                numbers = len(self.filter.sensors[one].fields) if one in self.filter.sensors else 1
+                cost = settings.FAULT_PRIOR + numbers * math.log(settings.FAULT_STD)
+            tried.append(self._scored(self.faults - {one}, run.filter, moments, known, cost))
+        onsets = [(t - ago * self.scale, settings.DRIFT_START) for ago in settings.DRIFT_ONSETS]
+        step = (min(self._refused.values()), 1.0) if refusing else (t - self.wait, settings.STEP_START)
+        onsets.append(step)
+        for one, (onset, size) in product(suspects, onsets):
+            if base and one not in self.faults:
+                place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
+                cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
+                later = base.run.history[place:]
+                tried.append(self._scored(self.faults | {one}, base.run.filter, later, known, cost, size))
+        return _most_likely(tried)
+
+    def _scored(
+        self, faults: Faults, before: ShipFilter, moments: list[Moment], known: Faults, cost: float = 0.0,
+        size: float = 1.0,
+    ) -> Hypothesis | None:  # fmt: skip
+        """Run a filter over moments, from the first one's state of the filter before."""
+        own, (first, *later) = self.filter.with_faults(faults), moments
+        state = own.adopt(first.state, before, size)
+        run = replay(own, first._replace(state=state, monitor=own.monitor()), later, self.horizon, self.kept)
+        score = _likelihood(run) - _penalty_of_faults(faults, known) - cost if run else 0.0
+        return Hypothesis(faults, run, score) if run else None
+
+    def _small(self, run: FilterRun, name: str) -> bool:
+        """Return whether the error of a sensor is as small as its noise again."""
+        if name not in self.filter.sensors:
+            return True
+        sensor, places = self.filter.sensors[name], run.filter.states.places
+        means = (abs(run.last.state.mean[places[f"{field}_fault"]]) for field in sensor.fields)
+        return all(mean <= 2.0 * sigma for mean, sigma in zip(means, sensor.sigma, strict=True))
+
+    def _restart_hypothesis(self, run: FilterRun) -> Hypothesis | None:
+        """Return the most likely restart from recent readings, without the previous state."""
+        since = min(self._refused.values(), default=run.last.t - settings.RESTART_TIME * self.scale)
+        recent = [one for one in run.history if one.t >= since]
+        start = Start(self.filter)
+        while start.missing and recent:
+            start.add(recent[0].t, recent[0].readings)
+            first, recent = recent[0], recent[1:]
+        if start.missing or not recent:
+            return None
+        sensors = self.filter.sensors.items()
+        placing = [name for name, sensor in sensors if "x" in sensor.start((0.0,) * len(sensor.fields))]
+        suspects = [one for one in self._suspects if one not in placing or len(placing) > 1]
+        sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
+        tried = []
+        for faults in sets:
+            own = self.filter.with_faults(faults)
+            begun = first._replace(state=replace(start, filter=own).state(first.t))
+            tried.append(self._scored(faults, own, [begun, *recent], self.faults))
+        best = _most_likely(tried)
+        return best._replace(is_restart=True) if best else None
+
+
+def _most_likely(tried: list[Hypothesis | None]) -> Hypothesis | None:
+    return max((one for one in tried if one), key=lambda one: one.score, default=None)
+
+
+def _still_refused(run: FilterRun) -> bool:
+    names = {name for result in run.results for name in result.nis}
+    recent = {name: [one for one in run.results if name in one.nis][-int(settings.REFUSED_PERIODS) :] for name in names}
+    return any(all(name in (*one.refused, *one.surprising) for one in last) for name, last in recent.items())
+
+
+def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
+    return math.fsum(result.log_likelihood for result in run.results if result.t > since + settings.SAME_TIME)
+
+
+def _penalty_of_faults(faults: Faults, known: Faults = frozenset()) -> float:
+    return settings.FAULT_PRIOR * len(faults - known) * len(faults)
+
+
+def _sentence(t: float, before: Faults, after: Faults, is_restart: bool) -> str:
+    new, back = sorted(after - before), sorted(before - after)
+    parts = [
+        (is_restart, "the estimate contradicted the readings and started again from the sensors that agree"),
+        (new, f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain"),
+        (back, f"{' and '.join(back)} agrees with the others again: used"),
+    ]
+    said = "; ".join(sentence for holds, sentence in parts if holds)
+    return f"At t = {t:g} s {said}." if said else ""

@@ -12,8 +12,7 @@ import pandas as pd
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.results import Aliased
-from narrows.estimation.estimator import Estimator
-from narrows.estimation.filter_run import checked_readings
+from narrows.estimation.estimator import Estimator, checked_readings
 from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.states import Estimate
 from narrows.model.data_range import extrapolation
