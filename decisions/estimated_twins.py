@@ -65,7 +65,7 @@ def figures(prior: nw.Model, seed: int) -> dict[str, Any]:
     """Return what one transit of a true ship gives; nothing where the ship does not come through."""
     truth = true_ship(prior, seed)
     try:
-        log = transits_of(truth, VDR, 1, seed, TransitTwin(truth, SPEED, 60 * MINUTES, CONDITIONS))
+        log = transits_of(TransitTwin(truth, SPEED, 60 * MINUTES, CONDITIONS), VDR, 1, seed)
     except nw.InputError:
         return {}
     fit, stds = nw.learn(prior, log, sensors=VDR), _stds(prior)

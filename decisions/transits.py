@@ -125,7 +125,8 @@ def twin(kind: Kind, seed: int) -> tuple[nw.Model, nw.ShipLog] | None:
     held = {"c_bank": 0.0} if kind.truth == "no c_bank" else {}
     truth = drawn_truth(ship(), seed, **held)
     try:
-        log = transits_of(_sailed(kind, truth), GRADES[kind.sensors], kind.transits, seed, _conditions(kind))
+        sailing = replace(_conditions(kind), truth=_sailed(kind, truth))
+        log = transits_of(sailing, GRADES[kind.sensors], kind.transits, seed)
     except nw.InputError:
         return None
     log = misread(log, seed) if kind.other_hand else _shifted(log, kind.shifted)

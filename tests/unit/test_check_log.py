@@ -40,7 +40,7 @@ def test_nothing_is_found_where_nothing_is() -> None:
 def test_sensors_better_than_their_grade_are_no_fault(seed: int) -> None:
     """Errors of satellites that are smaller than expected are not a place that is too small."""
     ship = large_container_ship()
-    log = transits_of(ship, sensor_grade("rtk"), 1, seed, TransitTwin(ship, SPEED, 600.0))
+    log = transits_of(TransitTwin(ship, SPEED, 600.0), sensor_grade("rtk"), 1, seed)
     found = nw.check_log(log, ship, sensors="vdr")
     assert found.clean, found.summary()
 
@@ -79,7 +79,7 @@ def test_a_model_that_differs_from_its_ship_does_not_stop_the_fit(tank: str, eve
 def transits() -> nw.ShipLog:
     """Two transits of a ship whose coefficients are those of its tests."""
     ship = large_container_ship()
-    return transits_of(ship, VDR, 2, 3, TransitTwin(ship, SPEED, 600.0))
+    return transits_of(TransitTwin(ship, SPEED, 600.0), VDR, 2, 3)
 
 
 def scores_of(*spoilt: nw.ShipRecord) -> dict[tuple[str, str, str], FaultTest]:

@@ -38,7 +38,7 @@ def twin(**held: float) -> tuple[nw.Model, nw.ShipLog]:
     for seed in range(30):
         truth = drawn_truth(ship(), seed, **held)
         try:
-            return truth, transits_of(truth, VDR, 2, 3, TransitTwin(truth, SPEED, 60 * MINUTES))
+            return truth, transits_of(TransitTwin(truth, SPEED, 60 * MINUTES), VDR, 2, 3)
         except nw.InputError:
             continue
     raise AssertionError("no ship comes through")
@@ -145,8 +145,8 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
 
 def passed(marked: bool) -> nw.LogFit:
     """A transit on which a ship passes after five minutes."""
-    truth, transit = twin()[0], PassedTransit(twin()[0], SPEED, 60 * MINUTES, passes=(300.0, 900.0))
-    (record,) = transits_of(truth, VDR, 1, 3, transit)
+    transit = PassedTransit(twin()[0], SPEED, 60 * MINUTES, passes=(300.0, 900.0))
+    (record,) = transits_of(transit, VDR, 1, 3)
     t = np.arange(0.0, 60 * MINUTES, 10.0)
     near = np.minimum(abs(t - 300.0), abs(t - 900.0)) < ship().configuration.ship.length / SPEED
     return nw.learn(ship(), record.with_signals(meeting=nw.Signal(t, 1.0 * near)) if marked else record)

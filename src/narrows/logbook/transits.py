@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -341,9 +341,7 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
 
 
 LENGTH, WIDTH = 399.94, 205.0  # Dimensions of the ship and the canal [m], as in the case of the Suez section
-# Speed and duration of a transit, and number and duration of those of a demonstration.
-SPEED, MINUTES, DEMONSTRATED, SHORT_MINUTES = 8 * KNOT, 40.0, 10, 20.0
-DEMONSTRATION_SEED = 100
+SPEED = 8 * KNOT
 
 
 def large_container_ship() -> Model:
@@ -351,21 +349,17 @@ def large_container_ship() -> Model:
 
 
 def demonstrated_log(sensors: SensorGrade) -> tuple[Model, Model, ShipLog]:
-    """Return a ship as its captive tests give it, the true ship, and its recorded log."""
-    prior = large_container_ship()
-    truth = drawn_truth(prior, DEMONSTRATION_SEED)
-    twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
-    return prior, truth, transits_of(truth, sensors, DEMONSTRATED, DEMONSTRATION_SEED, twin)
+    """Return a ship as its captive tests give it, the true ship, and the log of ten of its transits of 20 minutes."""
+    prior, seed = large_container_ship(), 100
+    truth = drawn_truth(prior, seed)
+    return prior, truth, transits_of(TransitTwin(truth, SPEED, 1200.0), sensors, 10, seed)
 
 
-def transits_of(
-    truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
-) -> ShipLog:
-    template = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
-    records, current = list[ShipRecord](), 0.0 if template.waterway else settings.CURRENT  # A waterway has its own.
+def transits_of(twin: TransitTwin, sensors: SensorGrade, transits: int, seed: int) -> ShipLog:
+    records, current = list[ShipRecord](), 0.0 if twin.waterway else settings.CURRENT  # A waterway has its own.
     with bar(transits, is_shown(), "transits") as done:
         for number in range(transits):
             own = 1000 * seed + number
-            records.append(recorded(f"transit {number + 1}", template.sailed(own), sensors, own, current))
+            records.append(recorded(f"transit {number + 1}", twin.sailed(own), sensors, own, current))
             done(1)
-    return ShipLog(tuple(records), template.waterway)
+    return ShipLog(tuple(records), twin.waterway)
