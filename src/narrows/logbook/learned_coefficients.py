@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from narrows.model.additions import ASYMMETRY, RUDDER_EVEN, STRAIGHTENED, STRAIG
 from narrows.model.data_range import DataRange, Range
 from narrows.model.derived_models import extend
 from narrows.model.model import Model
+from narrows.model.sections import Source
 from narrows.model.term import TermKind
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
@@ -147,10 +148,11 @@ ON_TWINS = "Bank coefficients from legs and transits are tested on simulated twi
 
 
 def learned_model(
-    prior: Model, values: np.ndarray, covariance: np.ndarray, source: str, offsets: np.ndarray, speeds: np.ndarray,
+    prior: Model, posterior: "LogPosterior", source: Source, offsets: np.ndarray, speeds: np.ndarray,
     contradicted: bool = False,
 ) -> tuple[Model, dict[str, LearnedCoefficient]]:  # fmt: skip
-    # values (n,); covariance (n, n); offsets [m] and speeds [m/s] of the record
+    # offsets [m] and speeds [m/s] of the record
+    values, covariance = posterior.values, posterior.covariance
     before, after = (np.sqrt(np.maximum(np.diag(each), 0.0)) for each in (np.asarray(prior.covariance), covariance))
     learned, verdicts = dict[str, LearnedCoefficient](), dict[str, str]()
     for term, known, value, std in zip(
@@ -163,12 +165,13 @@ def learned_model(
         if own.status == LEARNED:
             doubt = "contradicted" if contradicted else UNRESOLVED if UNRESOLVED in own.verdict else ""
             verdicts[term.name] = f"{doubt} by the ship's own record" if doubt else IDENTIFIED
+    sources = zip(astuple(prior.source), astuple(source), strict=True)
     model = replace(
         prior,
         coefficients=Named({name: c.value for name, c in learned.items()}),
         covariance=(covariance + covariance.T) / 2,
         data_range=covered_range(prior, *((float(part.min()), float(part.max())) for part in (offsets, speeds))),
-        source=replace(prior.source, text="; ".join(filter(None, (prior.source.text, source)))),
+        source=Source(*("; ".join(filter(None, pair)) for pair in sources)),
         verdicts={**prior.verdicts, **verdicts},
     )
     return model, learned

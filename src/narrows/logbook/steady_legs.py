@@ -40,6 +40,7 @@ from narrows.logbook.steady_readings import (
 )
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
+from narrows.model.sections import Source
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
@@ -148,10 +149,9 @@ def learn_steady(model: Model, observations: Any, *, conditions: SteadyCondition
     each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
     by_leg = dict(zip(readings.legs, each.tolist(), strict=True))
     posterior = log_posterior(problem, found.unknowns, found.information)
-    after, learned = learned_model(
-        model, posterior.values, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
-        abs(read["y"]), read["u"], probability < settings.CONTRADICTION,
-    )  # fmt: skip
+    text, contradicted = f"learned from {readings.summary()} ({readings.source})", probability < settings.CONTRADICTION
+    source = Source(text, readings.source, readings.sha256)
+    after, learned = learned_model(model, posterior, source, abs(read["y"]), read["u"], contradicted)
     std = np.sqrt(np.diag(problem.covariance(found.information)))
     common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))

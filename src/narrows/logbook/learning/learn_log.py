@@ -3,7 +3,6 @@
 import hashlib
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -80,8 +79,8 @@ def learn(
     return log_result(setup, found, free, piloted)
 
 
-def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int) -> Source:
-    """Return the provenance: of the model before, and of the log with the hash of its names, times and values."""
+def _source(log: Iterable[ShipRecord], sensors: str, records: int) -> Source:
+    """Return the provenance, with the hash of names, times and values."""
     hashed = hashlib.sha256()
     for record in log:
         for key in record:
@@ -90,10 +89,8 @@ def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int)
     name, sha256 = Path(str(getattr(log, "name", "a log"))).name, hashed.hexdigest()
     if isinstance(log, ShipLog):
         name = " to ".join(dict.fromkeys((log.names[0], log.names[-1])))
-    about, before = f"{name}, sensors {sensors}, sha256 {sha256[:12]}...", prior.source
-    text = f"learned from {records} record{'s' * (records > 1)} of the ship itself ({about})"
-    pairs = (before.text, text), (before.table, name), (before.sha256, sha256)
-    return Source(*("; ".join(filter(None, pair)) for pair in pairs))
+    about = f"{name}, sensors {sensors}, sha256 {sha256[:12]}..."
+    return Source(f"learned from {records} record{'s' * (records > 1)} of the ship itself ({about})", name, sha256)
 
 
 def log_result(
@@ -108,15 +105,15 @@ def log_result(
         after, apart = averaged(given, joint), rudder_matters(prior, given, joint)
     answers = record_answers(found, posed)
     ranges = np.stack([one.ranges for one in found.records]).T
-    came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
+    source = _source(posed.log, posed.grade.name, len(answers))
+    model, learned = learned_model(prior, after, source, *ranges)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     assumed = _assumptions(found.problem, free)
     about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
              *(stopped,) * found.interrupted)  # fmt: skip
-    source = _source(posed.log, posed.grade.name, prior, len(answers))
     return LogFit(
-        replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
-        after.freedom, after.probability, about, found.converged,
+        model, prior, learned, answers, _gusts(found), _noise(found), after.disagreement, after.freedom,
+        after.probability, about, found.converged,
     )  # fmt: skip
 
 
