@@ -257,6 +257,15 @@ def with_asymmetry(model: Model, u: float) -> Model:
     return replace(model, covariance=whole)
 
 
+def record_prior(
+    model: Model, u: float, surge: str, spread: Spread | None, asymmetric: bool, free: tuple[str, ...]
+) -> CoefficientPrior:
+    model = with_spread(model, spread)
+    if asymmetric and any(own.name == "rudder" for own in model.terms.actuators):
+        model = with_asymmetry(model, u)
+    return coefficient_prior(model, surge, free and learnable(model, free))
+
+
 def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> CoefficientPrior:
     """Return the prior of the coefficients that affect a motion; those of ``free``, or all, may change."""
     covariance = np.asarray(model.covariance)

@@ -325,8 +325,7 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
     # The prior alone separates a rudder's fault from another force of the rudder, and here it is contradicted.
     of_model = fault.signal == RUDDER and likely < settings.CONTRADICTION
     if of_model:
-        more = "and the coefficients still contradict their prior"
-        said += f", {more} (p < {settings.CONTRADICTION}): it may be the model"
+        said += f", and coefficients still contradict their prior (p < {settings.CONTRADICTION}): it may be the model"
     evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
     check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
     remedy = f"{cure.format(**words)}; then check again"

@@ -250,7 +250,6 @@ class LogFit(LearnedAnswer):
         named = f", mainly in {', '.join(far)}" if far else ""
         left = self.noise["psi"].size if "psi" in self.noise else 0.0
         strength, whole = self.gusts.strength if self.gusts else 0.0, self.whole_missed
-        disturbed = self.has_unexplained_disturbance
         doubts = {
             f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
             f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "
@@ -261,7 +260,7 @@ class LogFit(LearnedAnswer):
             f"The learned model misses the heading by {np.degrees(left):.1f} deg, more than the error of a compass. "
             "Its terms do not fit this log. Check whether the log is from another ship or draft.": left >= HEADING_LEFT,
             f"Disturbances are {strength:.0f} times as strong as the prior gusts. Other ships may have passed: mark "
-            "these times in the log (`meeting`). Otherwise the intervals are too narrow.": disturbed,
+            "these times in the log (`meeting`). Otherwise intervals are too narrow.": self.has_unexplained_disturbance,
         }
         return tuple(sentence for sentence, holds in doubts.items() if holds)
 

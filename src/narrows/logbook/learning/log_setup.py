@@ -22,14 +22,7 @@ from narrows.logbook.filtering.log_problem import (
     StochasticModel,
 )
 from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, OFFSET, READ, RUDDER, RecordGrid, grid_of
-from narrows.logbook.learned_coefficients import (
-    Spread,
-    coefficient_prior,
-    learnable,
-    push_inertia,
-    with_asymmetry,
-    with_spread,
-)
+from narrows.logbook.learned_coefficients import Spread, push_inertia, record_prior
 from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.ship_log import GRADES, SensorGrade, ShipLog, ShipRecord, Signal, SignalGrade, sensor_grade
 from narrows.model.model import Model
@@ -205,12 +198,10 @@ def log_problem(
         speeds.append(speed_of(record))
     if not speeds:
         raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
-    u, model = float(np.median(speeds)), with_spread(model, spread)
-    steered = RUDDER in {own.name for own in model.terms.actuators}
-    if steered and (not gusty and not free if asymmetry is None else asymmetry):
-        model = with_asymmetry(model, u)
-    if free:
-        learnable(model, tuple(free))
+    u = float(np.median(speeds))
+    asymmetric = not gusty and not free if asymmetry is None else asymmetry
+    prior = record_prior(model, u, surge, spread, asymmetric, tuple(free))
+    model = prior.model
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if water := waterway or getattr(records, "waterway", None):
         check_along_only(water, "learning")
@@ -221,9 +212,7 @@ def log_problem(
         values["revolutions"] = steady_revolutions(model, u) or values.get("revolutions", 0.0)
     positions = {own.name: float(values.get(own.name) or 0.0) for own in model.terms.actuators if own.name in followed}
     motion = RecordedMotion(model, positions, (), options)
-    return LogSetup(
-        records, grade, gusty, pilot and gusty, signals, rounding, motion, coefficient_prior(model, surge, free)
-    )
+    return LogSetup(records, grade, gusty, pilot and gusty, signals, rounding, motion, prior)
 
 
 def log_records(log: Any, waterway: Waterway | None) -> Iterable[ShipRecord]:
