@@ -191,6 +191,18 @@ def test_a_reach_has_the_section_the_bend_of_its_middle_and_the_current() -> Non
     assert reach.model.configuration.canal.depth == model.configuration.canal.depth
 
 
+def test_walls_are_where_the_keel_meets_the_slope() -> None:
+    """1 in 4 to starboard from 100 m: the keel, 5.4 m over the bottom, meets it at 121.6 m; of a wall at 132.4 m."""
+    model, s = ship(), np.array([0.0, 3000.0])
+    assert model.configuration.ship.draft == pytest.approx(10.8)
+    slope = Bank("starboard", s, np.full(2, 100.0), ((0.0, 0.0), (64.8, 16.2)))
+    line = Centreline(np.array([[0.0, 0.0], [0.0, 3000.0]]))
+    there = Waterway(line, slope, Bank("port", s, np.full(2, 140.0)), (s, np.full(2, 16.2)))
+    reach = reach_at(model, there, 1500.0)
+    assert reach.middle == pytest.approx((132.4 - 140.0) / 2)
+    assert reach.asked["walls"] == pytest.approx((140.0 - 3.8, 121.6 + 3.8))
+
+
 def test_banks_and_reaches_are_those_of_the_waterway(found: EnvelopeAlong) -> None:
     np.testing.assert_allclose(found.edges(), [0.0, 200.0, 950.0, 3000.0])
     s, port, starboard = found.banks()
