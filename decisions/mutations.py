@@ -47,7 +47,7 @@ WORDING = re.compile(r"summary|notes|words|describe.*|_?(plot|draw|print).*|__(r
 OF_NO_CLAIM = re.compile(r"maxsize|maxiter|ftol|xtol|rtol|atol|figsize|dpi|digits|seed")
 # Constants that bound memory, waiting and rounding: twice the number is as good.
 BOUNDS = re.compile(
-    r"MOST_\w+|LONGEST_\w+|SAME\w*|\w+_(QUEUE|TIMEOUT|INTERVAL|PAUSE|RETRY|TOLERANCE)|\w*BLOCK|STEPS\w*"
+    r"MOST_\w+|LONGEST_\w+|DIGITS|SAME\w*|\w+_(QUEUE|TIMEOUT|INTERVAL|PAUSE|RETRY|TOLERANCE)|\w*BLOCK|STEPS\w*"
 )
 
 

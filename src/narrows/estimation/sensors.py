@@ -289,11 +289,12 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
 
 def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, float, float]]:
     """Return the error states of a sensor: component, standard deviation and correlation time [s]."""
-    errors = [("wander" if math.isfinite(one.time) else "bias", one) for one in getattr(sensor, "errors", ())]
+    errors = []
     if faulty:
         # Correlation time of a process of this size that walks by FAULT_WALK sigmas from one reading to the next.
         time = 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period
-        errors.insert(0, ("fault", GaussMarkov(tuple(FAULT_STD * sigma for sigma in sensor.sigma), time)))
+        errors.append(("fault", GaussMarkov(tuple(FAULT_STD * sigma for sigma in sensor.sigma), time)))
+    errors += [("wander" if math.isfinite(one.time) else "bias", one) for one in getattr(sensor, "errors", ())]
     found: dict[str, tuple[int, float, float]] = {}
     for kind, error in errors:
         for place, std in enumerate(np.broadcast_to(error.std, len(sensor.fields)).tolist()):

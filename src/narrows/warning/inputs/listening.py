@@ -262,7 +262,7 @@ def connection_of(address: str) -> Connection:
 
 def _udp(host: str, port: int) -> Generator[Piece]:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as udp:
-        udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, True)
         udp.settimeout(settings.READ_TIMEOUT)
         udp.bind((host, port))
         with suppress(ValueError):  # A name, or no host at all.
