@@ -18,11 +18,10 @@ from narrows.control.predictive.course_ahead import (
     CourseAhead,
     SteadyTrack,
     steady_track,
-    update_push,
     water_ahead,
 )
 from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, predict, program_of
-from narrows.control.predictive.predictive_helm import Seen, VoyageOrders
+from narrows.control.predictive.predictive_helm import Seen, VoyageOrders, update_push
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.ship import SimulatedShip

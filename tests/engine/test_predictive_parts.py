@@ -23,7 +23,6 @@ from narrows.control.predictive.course_ahead import (
     margins_of,
     over_interval,
     regulator_of,
-    update_push,
     water_ahead,
 )
 from narrows.control.predictive.planner import (
@@ -32,6 +31,7 @@ from narrows.control.predictive.planner import (
     program_of,
     solve_program,
 )
+from narrows.control.predictive.predictive_helm import update_push
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.steady_course import LocalMotion, LocalWater, along_line
 from narrows.simulation.ship import SimulatedShip

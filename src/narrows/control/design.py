@@ -16,7 +16,6 @@ from narrows.base.results import BaseSummary
 from narrows.codegen.free_motion import INPUTS
 from narrows.control import settings
 from narrows.control.regulator import (
-    DEFAULT_WEIGHTS,
     FEEDBACK,
     HeldLine,
     Regulator,
@@ -248,10 +247,10 @@ def design(
         return math.inf if result is None else cost_of(result)
 
     with bar(settings.DESIGNS_A_ROUND * rounds, progress, "designs") as advance:
-        best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds)
-    weights = weights_at(best) or DEFAULT_WEIGHTS
+        best = searched(cost, np.append(np.zeros(len(TUNED)), RegulatorWeights.bank), rounds)
+    weights = weights_at(best) or RegulatorWeights()
     judge = DesignTrials(geared, y, u, scenes, settings.DESIGN_JUDGES * ships, seed + 1, noise)
-    tuned, default = judge.run(weights), judge.run(DEFAULT_WEIGHTS)
+    tuned, default = judge.run(weights), judge.run(RegulatorWeights())
     assert tuned is not None
     assert default is not None
     judged = {
@@ -269,7 +268,7 @@ def with_gear(model: Model, gear: SteeringGear) -> Model:
 
 
 def weights_at(point: np.ndarray) -> RegulatorWeights | None:
-    tuned: dict[str, Any] = {n: getattr(DEFAULT_WEIGHTS, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
+    tuned: dict[str, Any] = {n: getattr(RegulatorWeights, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
     bank = float(point[-1])
     return RegulatorWeights(**tuned, bank=bank) if 0.0 <= bank <= 1.0 else None
 

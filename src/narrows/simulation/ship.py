@@ -294,10 +294,6 @@ class SimulatedShip:
     def linearisation(self, values: Mapping[str, Number]) -> Linearisation:
         return self.system().linearisation(values, self.actuators)
 
-    def __getstate__(self) -> Mapping[str, Any]:
-        # Workers trace the system themselves, or find it in the cache.
-        return {name: value for name, value in self.__dict__.items() if name not in ("shape", "actuators")}
-
 
 @lru_cache(maxsize=64)
 def _system(terms: TermTable, surge: Any, coriolis: bool, chosen: Choices) -> System:

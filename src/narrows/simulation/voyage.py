@@ -21,18 +21,9 @@ from narrows.quantities.names import MOTION
 from narrows.ship.actuators import PROPELLER, Actuator
 from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration
+from narrows.simulation import initial_state as steps
 from narrows.simulation import inputs
 from narrows.simulation import outcome as end
-from narrows.simulation.initial_state import (
-    Row,
-    VoyageIntegrator,
-    check_irrelevant,
-    check_positions,
-    initial_state,
-    propeller_notes,
-    track_error,
-    voyage_defaults,
-)
 from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_of
@@ -222,24 +213,24 @@ def simulate(
     """
     inputs.check_waterway(waterway)
     times = None if at is None else inputs.check_times(at, duration)
-    defaults = voyage_defaults(model, None if u is None else [inputs.finite_numbers(u=u)["u"]])
+    defaults = steps.voyage_defaults(model, None if u is None else [inputs.finite_numbers(u=u)["u"]])
     u = defaults.speed if u is None else u
     if duration is None:
         duration = times[-1] if times else defaults.duration
     duration, dt = inputs.check_steps(duration, defaults.dt if dt is None else dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     pushes = inputs.segments_of(X, Y, N, duration)
-    check_positions(positions, ship)
+    steps.check_positions(positions, ship)
     numbers = inputs.finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_angles(numbers)
-    check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
+    steps.check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     if hold is not None:
         if controller is not None:
             raise InputError("hold is the line of the default helm; leave it or the controller out")
         controller = narrows.control.regulator(model, hold, u, waterway=waterway, at=x if waterway else 0.0)
     steering = steering_of(controller, ship.actuators)
-    integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
-    rows = [Row(0.0, start)]
+    integrator, start = steps.initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
+    rows = [steps.Row(0.0, start)]
     clear = integrator.clearance(start)[0] > 0 or start[0] == integrator.channel.start
     ending = event.FINISHED if clear else event.CLOSED
     for push in pushes if ending == event.FINISHED else ():
@@ -250,7 +241,7 @@ def simulate(
     shown = [row for row in rows if row.whole]
     if times is not None:
         shown = [*integrator.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
-    propeller = propeller_notes(model, u, positions.get(PROPELLER.name), steering)
+    propeller = steps.propeller_notes(model, u, positions.get(PROPELLER.name), steering)
     log = _Log(ship, integrator, rows, ending, float(psi), float(rudder), propeller)
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
@@ -262,23 +253,23 @@ def simulate(
 @dataclass(frozen=True)
 class _Log:
     ship: SimulatedShip
-    integrator: VoyageIntegrator
-    rows: list[Row]
+    integrator: steps.VoyageIntegrator
+    rows: list[steps.Row]
     ending: int
     psi: float
     rudder: float
     propeller: tuple[str, ...]  # Notes on its revolutions
 
-    def kept(self, rows: list[Row]) -> dict[str, np.ndarray]:
+    def kept(self, rows: list[steps.Row]) -> dict[str, np.ndarray]:
         return dict(zip(self.integrator.choices.kept, np.array([row.state for row in rows]).T, strict=True))
 
-    def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
+    def columns(self, rows: list[steps.Row]) -> dict[str, np.ndarray]:
         kept, track = self.kept(rows), ("x", "y", "u", "v", "r")
         psi = inputs.counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
         columns = {"psi": psi, "rudder": kept.get("rudder", np.full(len(rows), self.rudder))}
         return {"t": np.array([row.t for row in rows]), **{name: kept[name] for name in track}, **columns}
 
-    def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
+    def moved(self, rows: list[steps.Row]) -> dict[Actuator, np.ndarray]:
         kept, actuators = self.kept(rows), self.ship.model.terms.actuators
         moved = {one: kept[one.name] for one in actuators if one.name in kept and one.name != "rudder"}
         check_ahead(moved.get(PROPELLER), self.ship.model.configuration.propeller)
@@ -315,7 +306,7 @@ class _Log:
         return (*froude_notes(columns["u"], model.ship.length), *outside_notes(model.data_range, [seen], beyond))
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
-        error = 0.0 if self.ending == event.LOST else track_error(self.integrator, self.rows, dt)
+        error = 0.0 if self.ending == event.LOST else steps.track_error(self.integrator, self.rows, dt)
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)

@@ -81,13 +81,6 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     return WaterAhead(np.stack(columns, axis=1), table.step)
 
 
-def update_push(push: np.ndarray, residual: np.ndarray, elapsed: float, time: float) -> np.ndarray:
-    """Return the estimate of an external force and moment (2,) [N, N m] after another residual: a low-pass filter."""
-    # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
-    # Process Control 12(5), 617-632: the Kalman filter of a random walk has a constant gain.
-    return push - math.expm1(-elapsed / time) * residual if np.isfinite(residual).all() else push
-
-
 # Gains of the best linear helm (5,), and the infinite-horizon cost matrix of a deviation, (5, 5).
 Regulated = tuple[np.ndarray, np.ndarray]
 

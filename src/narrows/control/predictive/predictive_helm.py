@@ -13,15 +13,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
 from narrows.codegen.choices import STAGES
-from narrows.control.predictive.course_ahead import (
-    FORCED,
-    MOTION,
-    RUDDER,
-    CourseAhead,
-    Weights,
-    update_push,
-    water_ahead,
-)
+from narrows.control.predictive.course_ahead import FORCED, MOTION, RUDDER, CourseAhead, Weights, water_ahead
 from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, predict
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
@@ -154,6 +146,13 @@ class VoyageOrders:
             plan = better
         self.plan = plan
         return float(plan.rates[0])
+
+
+def update_push(push: np.ndarray, residual: np.ndarray, elapsed: float, time: float) -> np.ndarray:
+    """Return the estimate of an external force and moment (2,) [N, N m] after another residual: a low-pass filter."""
+    # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
+    # Process Control 12(5), 617-632: the Kalman filter of a random walk has a constant gain.
+    return push - math.expm1(-elapsed / time) * residual if np.isfinite(residual).all() else push
 
 
 @accept_aliases
