@@ -167,7 +167,7 @@ def test_a_ship_that_is_another_than_the_law_was_made_for_is_linearised_where_it
         (lambda: loop(dt=0.0), "no time between orders"),
         (lambda: loop(estimator=object()), "give sensors too"),
         (lambda: closed_loop(full_size(), lambda t, state: 0.0, y=0.0, u=SPEED).margins(), "no law in arithmetic"),
-        (lambda: closed_loop(full_size(), nw.ConstantRudder(0.3), y=0.0, u=SPEED).poles(), "nothing to linearise"),
+        (lambda: closed_loop(full_size(), nw.ConstantRudder(0.3), y=0.0, u=SPEED).poles(), "does not keep this ship"),
     ],
 )
 def test_what_is_no_loop_is_one_sentence(make: Any, words: str) -> None:
