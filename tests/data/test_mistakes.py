@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive.kinematics import MotionColumns, kinematic_consistency
+from narrows.captive.check import MotionColumns, kinematic_consistency
 from narrows.captive.measured import measured_files
 from narrows.captive.synthetic import StraightRun
 from narrows.model.tables import table_named

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.captive.columns import COLUMNS
-from narrows.readers.headers import parse_header
+from narrows.readers.cells import parse_header
 from tables import short_twin, written
 
 UNITS = {

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.captive.columns import COLUMNS
 from narrows.model.sections import load_model
-from narrows.readers.headers import parse_header
+from narrows.readers.cells import parse_header
 from tables import DTC_SHIP, frame_of, short_twin
 
 CELLS = st.one_of(

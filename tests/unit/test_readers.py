@@ -12,7 +12,7 @@ from scipy.io import savemat
 import narrows as nw
 from narrows.quantities import dimensions
 from narrows.quantities.names import MOTION
-from narrows.readers.headers import parse_header
+from narrows.readers.cells import parse_header
 from tables import frame_of, written
 
 

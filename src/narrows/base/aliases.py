@@ -146,13 +146,9 @@ class Arguments:
 
     def _without_unit(self, name: str) -> str:
         stem = name.rpartition("_")[0]
-        if f"{self.own}.{stem}" in aliases("own_arguments"):  # Not in SI
-            return ""
-        if stem in self.parameters or (stem in aliases("arguments") and self._takes(stem)):
-            return stem
-        return (
-            name_here(stem, "arguments", self._takes) or name_here(stem, "objects", self.parameters.__contains__) or ""
-        )
+        is_own = stem in self.parameters or (stem in aliases("arguments") and self._takes(stem))
+        ours = stem if is_own else self._name_here(stem)
+        return "" if f"{self.own}.{ours}" in aliases("own_arguments") else ours  # These are not in SI
 
 
 def unit_of(name: str, ours: str) -> float | None:

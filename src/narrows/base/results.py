@@ -217,11 +217,10 @@ class BaseSummary(Aliased):
     def __format__(self, form: str) -> str:
         return format(float(self), form) if form else str(self)
 
-    def _repr_html_(self) -> str:
-        said: Any = self
-        lines = "<br>".join(escape(line) for line in said.summary().partition("\n\n")[0].splitlines())
-        notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
-        table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
+    def _repr_html_(self: Any) -> str:
+        lines = "<br>".join(escape(line) for line in self.summary().partition("\n\n")[0].splitlines())
+        notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(self, "notes", ()))
+        table = self.to_dataframe().to_html(max_rows=30) if hasattr(self, "to_dataframe") else ""
         return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
 
 
@@ -261,13 +260,12 @@ class BaseResult(BaseSummary):
         """
         write(forms_of(self, path), path)
 
-    def to_csv(self, path: str | Path | None = None, **options: Any) -> str | None:
+    def to_csv(self: Any, path: str | Path | None = None, **options: Any) -> str | None:
         """Write the table as CSV to a ``path``, with ``options`` as of pandas; return it as text without one.
 
         Raises an InputError if the file cannot be written.
         """
-        result: Any = self
-        return _given_or_written(csv_of(result.to_dataframe(), **options), path)
+        return _given_or_written(csv_of(self.to_dataframe(), **options), path)
 
     def to_json(self, path: str | Path | None = None) -> str | None:
         """Write everything by name as JSON to a ``path``; return it as text without one.
@@ -276,10 +274,9 @@ class BaseResult(BaseSummary):
         """
         return _given_or_written(to_json(self.to_dict()), path)
 
-    def to_xarray(self) -> "xarray.Dataset":
+    def to_xarray(self: Any) -> "xarray.Dataset":
         """Return the data as an xarray Dataset."""
-        result: Any = self
-        data: xarray.Dataset = result.dataset() if hasattr(result, "dataset") else result.to_dataframe().to_xarray()
+        data: xarray.Dataset = self.dataset() if hasattr(self, "dataset") else self.to_dataframe().to_xarray()
         return data
 
     if not TYPE_CHECKING:
@@ -313,21 +310,18 @@ class Tabulated(BaseResult):
     Libraries that read tables by Arrow (Polars, DuckDB, Altair) read it as one.
     """
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self: Any) -> "pd.DataFrame":
         """Return the rows as a table."""
         import pandas as pd
 
-        table: Any = self
-        return pd.DataFrame(table.rows())
+        return pd.DataFrame(self.rows())
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self: Any) -> Iterator[Any]:
         """The rows, each a tuple with names."""
-        table: Any = self
-        return iter(table.to_dataframe().reset_index().itertuples(index=False, name="Row"))
+        return iter(self.to_dataframe().reset_index().itertuples(index=False, name="Row"))
 
-    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
-        table: Any = self
-        return table.to_dataframe().reset_index().__arrow_c_stream__(requested_schema)
+    def __arrow_c_stream__(self: Any, requested_schema: Any = None) -> Any:
+        return self.to_dataframe().reset_index().__arrow_c_stream__(requested_schema)
 
     if not TYPE_CHECKING:
 

@@ -15,8 +15,7 @@ from narrows.base.errors import InputError, near_miss
 from narrows.captive.tests import LABELS, Headers
 from narrows.quantities.dimensions import is_unit
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
-from narrows.readers.cells import floats
-from narrows.readers.headers import Vocabulary, quantity_of
+from narrows.readers.cells import Vocabulary, floats, quantity_of
 from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.particulars import Canal, Ship, Water
@@ -73,8 +72,11 @@ def _places(movers: Iterable[Actuator]) -> dict[str, str]:
 def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
     known = columns_with(movers)
     if wanted not in known or wanted in PARTICULARS:
+        section, _, key = _places(movers).get(name, "").partition(" ")
+        unit, meaning = particulars_with(movers).get(name, ("1", ""))
+        where = f"{key}{'' if unit == '1' else f' [{unit}]'} to section {section} of the ship file: {meaning}"
         said = f"the terms need {name}, which neither the tests nor the ship file give"
-        return f"{said}; {_where(name, headers, movers)}{usual(name)}"
+        return f"{said}; add {where if section and meaning else 'it'}{usual(name)}"
     unit, meaning = known[wanted]
     table = f"{headers.table}: " if headers.table else ""
     near = near_miss(wanted, headers.unread)
@@ -83,15 +85,6 @@ def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, .
     if wanted in ("u", "v") and drift:
         unread = f": u = U cos(beta) and v = -U sin(beta), if {drift!r} is beta, positive with the bow to starboard"
     return f"{table}column {wanted!r} is missing ({meaning} [{unit}]); add it{unread}"
-
-
-def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
-    place, quantity = _places(actuators).get(name), particulars_with(actuators).get(name)
-    if place is None or quantity is None:
-        return "add it"
-    section, _, key = place.partition(" ")
-    unit = "" if quantity.unit == "1" else f" [{quantity.unit}]"
-    return f"add {key}{unit} to section {section} of {headers.ship_file or 'the ship file'}: {quantity.meaning}"
 
 
 def usual(name: str) -> str:

@@ -11,13 +11,12 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import settings
+from narrows.captive.check import RATES, rates_of
 from narrows.captive.columns import COLUMNS, begun, meant
-from narrows.captive.kinematics import RATES, rates_of
 from narrows.captive.tests import LABELS
 from narrows.quantities.dimensions import unit_named
 from narrows.quantities.names import FORCES
-from narrows.readers.cells import floats
-from narrows.readers.headers import parse_header, split_header
+from narrows.readers.cells import floats, parse_header, split_header
 from narrows.readers.mapping import COUNTED, WAYS
 
 _quoted = partial(json.dumps, ensure_ascii=False)

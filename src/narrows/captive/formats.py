@@ -165,13 +165,11 @@ class Lataire(Layout):
 LAYOUTS: tuple[type[Layout], ...] = tuple(Layout.__subclasses__())
 
 
-def is_known(frame: pd.DataFrame) -> bool:
-    return any(layout.recognises(frame) for layout in LAYOUTS)
+def layout_of(frame: pd.DataFrame) -> type[Layout] | None:
+    return next((layout for layout in LAYOUTS if layout.recognises(frame)), None)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> Translated:
     """Convert a frame of a known layout to the documented headers, with notes."""
-    for layout in LAYOUTS:
-        if layout.recognises(frame):
-            return layout.translated(frame, chosen, table)
-    return frame, ()
+    layout = layout_of(frame)
+    return layout.translated(frame, chosen, table) if layout else (frame, ())

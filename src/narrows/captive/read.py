@@ -3,7 +3,7 @@
 import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +16,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, path_of
 from narrows.base.progress import stage
 from narrows.captive import tests
-from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_rates
+from narrows.captive.rows import checked, clean, grouped, tests_of, with_rates
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
 from narrows.model.sections import Source
 from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
@@ -24,7 +24,7 @@ from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuators import Actuator
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
+from narrows.ship.ship_file import ShipSource, ship_from
 
 NO_SHIP = (
     "a table has no ship of its own; give ship='ship.toml', a Configuration, or {'ship': {'length': ...}, 'canal': "
@@ -78,10 +78,10 @@ def read_captive(
         frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):
             raise InputError(f"{name}: {NO_ROWS}")
-        rows = checked(frame, configuration, name, movers, ship_file_of(ship))
+        read = with_rates(checked(frame, configuration, name, movers))
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
-    return with_rates(collect_rows(rows, configuration, source, sheet.notes + notes))
+    return replace(read, source=source, notes=sheet.notes + notes + read.notes)
 
 
 def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = None) -> Any:
@@ -109,7 +109,6 @@ class StreamedTests:
     actuators: tuple[Actuator, ...] = ()  # Additional actuators, whose columns the table may have
     source: Source = field(default_factory=Source)  # Origin of the rows
     notes: tuple[str, ...] = ("rows streamed from disk",)  # Notes of the reader
-    ship_file: str = ""  # File of the ship; empty for none
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -118,12 +117,14 @@ class StreamedTests:
     @cached_property
     def lengths(self) -> dict[str, int]:
         lengths: dict[str, int] = {}
-        last = None
+        last = ""
         for frame in self._frames():
-            for name, start, stop in _stretches(tests_of(frame, str(self.path))):
-                if name in lengths and name != last:
+            order, names, starts = grouped(tests_of(frame, str(self.path)))
+            for name, start, stop in zip(names, starts, starts[1:], strict=False):
+                is_split = order[stop - 1] - order[start] >= stop - start
+                if is_split or (name in lengths and name != last):
                     raise InputError(f"{self.path}: the rows of test {name} do not stand together; sort it by test")
-                lengths[name] = lengths.get(name, 0) + stop - start
+                lengths[name] = lengths.get(name, 0) + int(stop - start)
                 last = name
         if not lengths:
             raise InputError(f"{self.path}: {NO_ROWS}")
@@ -134,12 +135,12 @@ class StreamedTests:
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()
         for frame in self._frames():
-            rows = checked(frame, self.configuration, str(self.path), self.actuators, self.ship_file)
-            conditions |= set(rows.condition)
+            rows = checked(frame, self.configuration, str(self.path), self.actuators)
+            conditions |= set(rows.conditions)
             self._check_continued(rows, last, conditions)
-            last = (str(rows.test[-1]), float(rows.columns["t"][-1]) if "t" in rows.columns else -np.inf)
-            spans = list(self._spans(rows.test, pieces, done))
-            yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans, rows.headers)
+            last = (rows.names[-1], float(rows["t"][-1]) if "t" in rows.columns else -np.inf)
+            spans = list(self._spans(rows, pieces, done))
+            yield Block({**self.configuration.values(), **rows.columns}, rows.rows, spans, rows.headers)
 
     def _frames(self) -> Iterator[pd.DataFrame]:
         for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
@@ -147,9 +148,9 @@ class StreamedTests:
             if len(frame):
                 yield frame
 
-    def _spans(self, test: np.ndarray, pieces: int, done: dict[str, int]) -> Iterator[Span]:
+    def _spans(self, rows: CaptiveTests, pieces: int, done: dict[str, int]) -> Iterator[Span]:
         """Cut the rows at hand where the whole test would be cut; ``done`` counts earlier rows."""
-        for name, start, stop in _stretches(test):
+        for name, (start, stop) in zip(rows.names, pairwise(rows.starts.tolist()), strict=True):
             first = done[name]
             done[name] += stop - start
             for piece, (a, b) in enumerate(pairwise(cuts(self.lengths[name], pieces).tolist())):
@@ -157,22 +158,15 @@ class StreamedTests:
                 if low < high:
                     yield Span(name, piece, start + low - first, start + high - first)
 
-    def _check_continued(self, rows: Rows, last: tuple[str, float], conditions: set[str]) -> None:
+    def _check_continued(self, rows: CaptiveTests, last: tuple[str, float], conditions: set[str]) -> None:
         if len(conditions) > 1:
             raise InputError(
                 f"{self.path}: holds several conditions ({', '.join(sorted(conditions)[:3])}, ...); "
                 "choose one with a selection of rows"
             )
         name, t = last
-        if "t" in rows.columns and rows.test[0] == name and rows.columns["t"][0] <= t:
-            raise InputError(f"{self.path}: test {name} goes back in time at t = {rows.columns['t'][0]:g} s; sort it")
-
-
-def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
-    """Each run of rows of one test: name, first row, row after the last."""
-    edges = np.flatnonzero(np.concatenate([[True], test[1:] != test[:-1], [True]]))
-    for start, stop in pairwise(edges.tolist()):
-        yield str(test[start]), start, stop
+        if "t" in rows.columns and rows.names[0] == name and rows["t"][0] <= t:
+            raise InputError(f"{self.path}: test {name} goes back in time at t = {rows['t'][0]:g} s; sort it")
 
 
 Tests = CaptiveTests | StreamedTests
@@ -198,4 +192,4 @@ def stream_captive(
     source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)
     of_mapping = (f"columns by {named.name}",) if named else ()
     notes = ("rows streamed from disk", *notes_of(path), *of_mapping, *configuration.notes)
-    return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file_of(ship))
+    return StreamedTests(path, configuration, where, named, movers, source, notes)

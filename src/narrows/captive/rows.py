@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -12,23 +11,12 @@ import pandas as pd
 from narrows.base.errors import InputError, near_miss
 from narrows.captive import check, formats, settings
 from narrows.captive.columns import COLUMNS, begun, columns_with, renamed
-from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics, kinematic_consistency
 from narrows.captive.tests import LABELS, CaptiveTests, Headers, selection
-from narrows.model.sections import Source
 from narrows.readers import cells
-from narrows.readers.cells import floats, more_like_it, row_number
-from narrows.readers.headers import Column, Vocabulary, recognised_in
+from narrows.readers.cells import Column, Vocabulary, floats, more_like_it, recognised_in, row_number
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
-
-
-class Rows(NamedTuple):
-    columns: dict[str, np.ndarray]  # Columns (rows,) in SI, by quantity
-    test: np.ndarray  # (rows,) Test of each row
-    condition: np.ndarray  # (rows,) Condition of each row; empty if the table names none
-    notes: tuple[str, ...]  # Assumptions, and columns that were not read
-    headers: Headers
 
 
 def clean(
@@ -76,23 +64,22 @@ def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
 
 
 def checked(
-    frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = (),
-    ship_file: str = "",
-) -> Rows:  # fmt: skip
+    frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = ()
+) -> CaptiveTests:
+    """Return the rows test by test, in SI, with notes of assumptions and of columns that were not read."""
     by_actuator = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
-    known = columns_with(by_actuator.values())
-    recognised = recognised_in(frame, known, table)
+    order, names, starts = grouped(tests_of(frame, table))
+    frame = frame.iloc[order]
+    recognised = recognised_in(frame, columns_with(by_actuator.values()), table)
     headers = [str(header) for header in frame.columns]
     # A table of one row for each channel has no known header but time.
     unique = recognised if {column.quantity for column in recognised} - {"t"} else []
     cells.check_once(unique, headers, COLUMNS, table)
     columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
-    test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
     found = check.CheckedColumns(frame, columns, by_name, configuration, table)
     if "t" in columns:
-        order = _grouped(test)[0]
-        check.check_time(frame.iloc[order], test[order], columns["t"][order], table)
+        check.check_time(frame, names, starts, columns["t"], table)
     if "psi" in columns:
         if by_name["psi"].stated:  # A compass counts from 0 to 360.
             columns["psi"] = np.where(columns["psi"] > math.pi, columns["psi"] - 2 * math.pi, columns["psi"])
@@ -101,31 +88,30 @@ def checked(
     check.check_units(found)
     for name in by_actuator.keys() & columns.keys():
         columns |= by_actuator[name].placed(columns[name])
-    assumed = [] if "heave" in columns else ["column 'heave' is absent: taken as 0"]
+    notes = [] if "heave" in columns else ["column 'heave' is absent: taken as 0"]
+    notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
     columns.setdefault("heave", np.zeros(len(frame)))
     condition = _conditions(frame, columns, configuration, table)
+    conditions = tuple(condition[starts[:-1]]) if condition.size else ()
     check.check_inside(found)
-    plausibility = _check_plausible(found, test)
-    notes = assumed + ([] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"])
     unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
-    notes += [
-        f"column {header!r} is not read: is it {name}?"
-        for header in unread if (name := begun(header)) and name not in {*columns, *LABELS}
-    ]  # fmt: skip
-    return Rows(columns, test, condition, (*notes, *plausibility), Headers(table, unread, ship_file))
+    doubtful = {header: name for header in unread if (name := begun(header)) and name not in {*columns, *LABELS}}
+    notes += [f"column {header!r} is not read: is it {name}?" for header, name in doubtful.items()]
+    notes += _check_plausible(found, names, starts)
+    return CaptiveTests(
+        columns, names, starts, configuration, conditions, notes=tuple(notes), headers=Headers(table, unread)
+    )
 
 
-def _check_plausible(found: check.CheckedColumns, test: np.ndarray) -> tuple[str, ...]:
-    table, configuration = found.table, found.configuration
-    notes = configuration.notes + check.check_mass(configuration, table) + check.check_heave(found)
+def _check_plausible(found: check.CheckedColumns, names: tuple[str, ...], starts: np.ndarray) -> tuple[str, ...]:
+    notes = found.configuration.notes + check.check_mass(found.configuration, found.table)
+    check.check_heave(found)
     check.check_forces(found)
-    order, names, starts = _grouped(test)
-    in_order = {name: column[order] for name, column in found.columns.items()}
-    motions = MotionColumns(in_order, starts, configuration.ship.length)
-    agreements = kinematic_consistency(motions)
-    check_axes(motions, agreements, table)
+    motions = check.MotionColumns(found.columns, starts, found.configuration.ship.length)
+    agreements = check.kinematic_consistency(motions)
+    check.check_axes(motions, agreements, found.table)
     check.check_drift(found)
-    return notes + check_kinematics(motions, agreements, names, found.by_name, table)
+    return notes + check.check_kinematics(motions, agreements, names, found.by_name, found.table)
 
 
 def with_rates(tests: CaptiveTests) -> CaptiveTests:
@@ -158,13 +144,6 @@ def with_rates(tests: CaptiveTests) -> CaptiveTests:
     return replace(tests, columns=columns, notes=(*tests.notes, *made))
 
 
-def collect_rows(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:
-    order, names, starts = _grouped(rows.test)
-    columns = {name: column[order] for name, column in rows.columns.items()}
-    conditions = tuple(rows.condition[order][starts[:-1]]) if rows.condition.size else ()
-    return CaptiveTests(columns, names, starts, configuration, conditions, source, notes + rows.notes, rows.headers)
-
-
 def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:
     return cells.labels(frame, "test", table) if "test" in frame else np.full(len(frame), "all", dtype=object)
 
@@ -183,7 +162,7 @@ def _conditions(
     return np.empty(0, dtype=object)
 
 
-def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
+def grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]:
     codes, names = pd.factorize(test)
     order = np.argsort(codes, kind="stable")
     starts = np.concatenate([[0], np.cumsum(np.bincount(codes))])
@@ -215,7 +194,7 @@ def screened(
 
 def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
     """Yield the rows of each test, with True; those of all short tests together, with False."""
-    order, _, starts = _grouped(test)
+    order, _, starts = grouped(test)
     parts = [order[start:stop] for start, stop in pairwise(starts)]
     yield from ((rows, True) for rows in parts if len(rows) >= settings.FEWEST_SCREENED)
     short = [rows for rows in parts if len(rows) < settings.FEWEST_SCREENED]

@@ -13,8 +13,7 @@ from narrows.base.errors import InputError, check_choice, did_you_mean, near_mis
 from narrows.base.results import Tabulated, same_content
 from narrows.model.sections import Source
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number, Quantity
-from narrows.readers.cells import floats
-from narrows.readers.headers import parse_header
+from narrows.readers.cells import floats, parse_header
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration, Configured
 
@@ -39,7 +38,6 @@ class Headers(NamedTuple):
 
     table: str = ""  # The file; empty for none
     unread: tuple[str, ...] = ()  # Headers that are no quantity
-    ship_file: str = ""  # File of the ship; empty for none
 
 
 # Columns of words in a table of tests.
@@ -201,13 +199,9 @@ class CaptiveTests(Configured, Tabulated):
 
     def by_condition(self) -> dict[str, "CaptiveTests"]:
         """Split the tests by condition, each with its own water depth."""
-        labels = dict.fromkeys(self.conditions or ("",))
-        if len(labels) <= 1:
-            return {next(iter(labels)): self._with_own_depth()}
-        return {
-            label: self.where([condition == label for condition in self.conditions])._with_own_depth()
-            for label in labels
-        }
+        labels, conditions = dict.fromkeys(self.conditions or ("",)), np.array(self.conditions)
+        parts = {label: self.where(conditions == label) if len(labels) > 1 else self for label in labels}
+        return {label: part._with_own_depth() for label, part in parts.items()}
 
     def _with_own_depth(self) -> "CaptiveTests":
         depth = self.columns.get("depth")

@@ -62,7 +62,7 @@ def identify(
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
     from narrows.captive.draft import draft_columns
-    from narrows.captive.formats import is_known
+    from narrows.captive.formats import layout_of
     from narrows.readers.frames import read_frame
     from narrows.readers.mapping import read_mapping
 
@@ -76,7 +76,7 @@ def _drafted(table: Path, ship: Path) -> str:
         if path.exists():
             return f" ({path} is there: check it, and type {command})"
         draft = draft_columns(frame)
-        if not draft.entries or is_known(frame):  # The columns of a known layout are not at fault.
+        if not draft.entries or layout_of(frame):  # The columns of a known layout are not at fault.
             return ""
         write_whole(path, draft.toml(table.name, command))
     except (InputError, OSError):

@@ -68,9 +68,8 @@ class SteadyReadings(BaseSummary):
 
 
 def steady_readings(table: Any, conditions: "SteadyConditions") -> SteadyReadings:
-    from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, sha256_of_frame
+    from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, recognised_in, sha256_of_frame
     from narrows.readers.frames import read_frame
-    from narrows.readers.headers import recognised_in
 
     if isinstance(table, SteadyReadings):
         return table

@@ -13,7 +13,7 @@ from narrows.base.errors import InputError, needs
 from narrows.base.files import reading
 from narrows.base.progress import stage
 from narrows.readers.settings import SHEET_ROWS
-from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, read_text, text_chunks
+from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, text_chunks
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
 READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
@@ -32,7 +32,8 @@ def read_frame(path: Path) -> Sheet:
         if reader:
             return reader(path)
         dialect = dialect_of(path)
-        return Sheet(read_text(path, dialect), dialect.head.notes)  # With counted bytes
+        nothing = pd.DataFrame(columns=list(dialect.head.headers), index=pd.RangeIndex(0))
+        return Sheet(next(text_chunks(path, dialect, None), nothing), dialect.head.notes)  # With counted bytes
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:

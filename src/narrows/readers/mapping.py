@@ -9,7 +9,7 @@ import pandas as pd
 
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.readers import cells
-from narrows.readers.headers import Vocabulary, quantity_of, split_header
+from narrows.readers.cells import Vocabulary, quantity_of, split_header
 from narrows.ship.ship_file import check_table, load_toml
 
 # Positive direction of a quantity here, and the opposite.

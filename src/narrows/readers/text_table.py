@@ -37,11 +37,6 @@ class Dialect(NamedTuple):
     head: Head  # Header and first row
 
 
-def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
-    nothing = pd.DataFrame(columns=list(dialect.head.headers), index=pd.RangeIndex(0))
-    return next(text_chunks(path, dialect, None), nothing)
-
-
 def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
     """Yield a table by so many rows, or as one."""
     if _is_broken(path, dialect):
@@ -51,7 +46,7 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
     options = {"skiprows": dialect.head.first - 1, "chunksize": rows, "iterator": True, **_options(dialect)}
     with opened(path) as file, pd.read_csv(file, **options) as chunks:
         for frame in chunks:
-            yield _counted(_with_commas(frame, dialect), first)
+            yield _finished(frame, dialect, first)
             first += len(frame)
 
 
@@ -65,26 +60,20 @@ def _options(dialect: Dialect) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _counted(frame: pd.DataFrame, first: int) -> pd.DataFrame:
-    """Rows by line number; pandas would take extra cells for row names."""
-    if not isinstance(frame.index, pd.RangeIndex):
+def _finished(frame: pd.DataFrame, dialect: Dialect, first: int) -> pd.DataFrame:
+    """Number the rows by lines, and convert decimal commas in columns that also hold words, which pandas leaves."""
+    if not isinstance(frame.index, pd.RangeIndex):  # pandas takes extra cells for row names
         raise InputError(
             f"row {first + FIRST_ROW} has more cells than the header; give each column one "
             "header, and put words with spaces in quotes"
         )
     frame.index = pd.RangeIndex(first, first + len(frame))
-    return frame
-
-
-def _with_commas(frame: pd.DataFrame, dialect: Dialect) -> pd.DataFrame:
-    """Convert decimal commas in columns that also hold words, which pandas leaves unchanged."""
-    if dialect.decimal == ",":
-        for header in frame.columns:
-            if not pd.api.types.is_numeric_dtype(frame[header]):
-                cells = frame[header].astype(object)
-                words = cells.astype(str)
-                numbers = pd.to_numeric(words.str.replace(",", "."), errors="coerce")
-                frame[header] = cells.where(numbers.isna() | words.str.contains(".", regex=False), numbers)
+    for header in frame.columns if dialect.decimal == "," else ():
+        if not pd.api.types.is_numeric_dtype(frame[header]):
+            cells = frame[header].astype(object)
+            words = cells.astype(str)
+            numbers = pd.to_numeric(words.str.replace(",", "."), errors="coerce")
+            frame[header] = cells.where(numbers.isna() | words.str.contains(".", regex=False), numbers)
     return frame
 
 
@@ -113,9 +102,7 @@ def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
         )  # fmt: skip
         while lines := list(islice(parsed, rows)):
             options = _options(dialect) | {"encoding": None}
-            frame = _counted(
-                _with_commas(pd.read_csv(StringIO("".join(line for _, line in lines)), **options), dialect), 0
-            )
+            frame = _finished(pd.read_csv(StringIO("".join(line for _, line in lines)), **options), dialect, 0)
             if len(frame) == len(lines):  # Otherwise a cell in quotes spans lines
                 frame.index = pd.Index(np.array([number for number, _ in lines]) - FIRST_ROW)
             yield frame

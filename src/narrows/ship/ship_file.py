@@ -30,11 +30,6 @@ def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configu
     return read_ship(path_of("ship", source), actuators)
 
 
-def ship_file_of(source: ShipSource) -> str:
-    """Return the file of a ship, for messages; empty for none."""
-    return str(source) if isinstance(source, str | Path) else ""
-
-
 @accept_aliases
 def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configuration:
     """Read a ship file: TOML with [ship], [canal], and optionally [water], [depths] and sections of actuators.

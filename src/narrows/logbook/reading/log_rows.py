@@ -13,7 +13,7 @@ from narrows.base.errors import InputError, did_you_mean
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import Quantity
-from narrows.readers.headers import Vocabulary, split_header
+from narrows.readers.cells import Vocabulary, split_header
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.checks import check_number
 from narrows.ship.ship_file import check_table, load_toml

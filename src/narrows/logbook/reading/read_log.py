@@ -17,9 +17,17 @@ from narrows.logbook.reading.log_rows import VOCABULARY, LogMapping, RawRecord, 
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.quantities.names import DEGREE, KNOT
-from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
+from narrows.readers.cells import (
+    as_sheet,
+    check_once,
+    labels,
+    name_of,
+    numbers,
+    recognised_in,
+    row_number,
+    with_seconds,
+)
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
-from narrows.readers.headers import recognised_in
 from narrows.readers.nmea import Recording, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
