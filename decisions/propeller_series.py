@@ -1,4 +1,4 @@
-"""Thrust of a propeller that turns astern: the fits of ``narrows.empirical.propulsion``, from a published series.
+"""Thrust of a propeller that turns astern: the fits of ``narrows.empirical.formulas``, from a published series.
 
 ``propeller_series.csv`` has 100 times the Fourier coefficients of C_T* over the advance angle, of the Wageningen B4-70
 propellers at the pitch ratios 0.6 to 1.2, from appendix B of Roddy, Hess and Faller (2006), NSWCCD-50-TR-2006/004. They

@@ -19,8 +19,8 @@ from narrows.empirical.formulas import (
     Hull,
     depth_factor,
     read_calibration,
+    resistance_prime,
 )
-from narrows.empirical.propulsion import resistance_prime
 from narrows.physics.clearance import bank_distance, suction
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))

@@ -13,23 +13,22 @@ from narrows.base.results import Coefficients
 from narrows.empirical.formulas import (
     BANK_PRIOR,
     COEFFICIENTS,
+    EVIDENCE_WIDTHS,
     FORM,
-    RANGES,
-    SIGNED,
-    Calibration,
-    Hull,
-    Uncertain,
-    read_calibration,
-    tested_places,
-)
-from narrows.empirical.propulsion import (
     INCREASE_PLACE,
+    LEAST_CLEARANCE,
+    RANGES,
     RUDDER_PLACE,
     RUDDER_SURGE,
     SHIP_TYPES,
+    SIGNED,
+    Calibration,
+    Hull,
     ShipType,
+    Uncertain,
     estimated_propeller,
     estimated_rudder,
+    read_calibration,
     resistance_prime,
     rudder_force_increase,
     service_speed,
@@ -107,14 +106,14 @@ def estimate_model(
     check_types(ship, canal, water, **parts)
     known, filled = _completed(ship, kind)
     check_proportions(known, water, parts)
-    usual, usual_words = _type_of(known, kind)
+    usual = SHIP_TYPES[kind or ("container" if known.block_coefficient < 0.72 else "tanker")]
     hull = hull_of(known)
     known = _with_mass(known, water)
     configuration = Configuration(known, canal, water, steering=steering)
     service = service_speed(known, usual) if speed is None else speed
     check_speed(service, known, usual)
     resistance = resistance_prime(known, service)
-    driven = propeller or estimated_propeller(known, hull, usual, water, service)
+    driven = propeller or estimated_propeller(known, hull, usual, service)
     steered = rudder or estimated_rudder(known, hull, usual, driven)
     depth_to_draft = canal.depth / known.draft if canal.depth else math.inf
     spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
@@ -122,6 +121,7 @@ def estimate_model(
     spreads["R_0"] = Uncertain(resistance, RESISTANCE_SHARE * resistance)
     coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
     missing = [name for name in ("propeller", "rudder") if parts[name] is None]
+    words = f"{'an' if usual.words[0] in 'aeiou' else 'a'} {usual.words}{'' if kind else ', by the block coefficient'}"
     return Model(
         replace(configuration, propeller=driven, rudder=steered),
         table_named(TABLE),
@@ -130,11 +130,12 @@ def estimate_model(
         data_range=DataRange(
             speed=(0.0, 0.25 * math.sqrt(GRAVITY * known.length)),  # Tests behind the formulas were no faster
             depth_to_draft=_depths_of(depth_to_draft),
-            **tested_places(known, canal),
+            width_to_beam=EVIDENCE_WIDTHS,
+            abs_y=(0.0, max(canal.width / 2 - (0.5 + LEAST_CLEARANCE) * known.beam, 0.0)),
         ),
         source=Source(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
-            estimate=" ".join(_sentences(known, filled, missing, usual_words, service, hull, depth_to_draft)),
+            estimate=" ".join(_sentences(known, filled, missing, words, service, hull, depth_to_draft)),
         ),
         verdicts=dict.fromkeys(BANK_PRIOR, "estimated from other ships"),
     )
@@ -179,12 +180,6 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         unit = "" if name == "block_coefficient" else " m"
         filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
     return Ship(**given), filled
-
-
-def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
-    usual = SHIP_TYPES[kind or ("container" if ship.block_coefficient < 0.72 else "tanker")]
-    words = f"{'an' if usual.words[0] in 'aeiou' else 'a'} {usual.words}"
-    return usual, words if kind else f"{words}, by the block coefficient"
 
 
 def _with_mass(ship: Ship, water: Water) -> Ship:
