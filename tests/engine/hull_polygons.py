@@ -45,7 +45,7 @@ class Midship:
     def _section(self, s: np.ndarray) -> tuple[np.ndarray | float, np.ndarray | float]:
         if self.waterway is None:
             return self.model.configuration.canal.width, 0.0
-        here = self.waterway.keel_section(s, self.model.configuration.ship.draft)
+        here = self.waterway.section(s, self.model.configuration.ship.draft)
         return here.width, here.middle
 
     def rooms(self, states: np.ndarray) -> np.ndarray:
@@ -104,7 +104,7 @@ class OnTheMap:
         own = (self.waterway.starboard.s, self.waterway.port.s, *(self.waterway.depths or ())[:1])
         inside = np.concatenate([s, *[np.asarray(k, float)[(k > s[0]) & (k < s[-1])] for k in own]])
         s = np.unique(inside)
-        here = self.waterway.keel_section(s, self.draft)
+        here = self.waterway.section(s, self.draft)
         return [self.waterway.line.at(s, here.middle + sign * here.width / 2) for sign in (1, -1)]
 
     def hulls(self, states: np.ndarray) -> np.ndarray:

@@ -260,7 +260,7 @@ def test_a_table_has_the_waterways_columns() -> None:
     table = tabulate(way, 10.0, 20.0)
     assert 19.5 < table.step <= 20.0
     assert table.s[-1] == way.line.length
-    here, keel = way.section(table.s), way.keel_section(table.s, 10.0)
+    here, keel = way.section(table.s), way.section(table.s, 10.0)
     for name, width, middle in (("", here.width, here.middle), ("keel_", keel.width, keel.middle)):
         np.testing.assert_allclose(getattr(table, f"{name}starboard"), width / 2 + middle, atol=1e-9)
         np.testing.assert_allclose(getattr(table, f"{name}port"), width / 2 - middle, atol=1e-9)

@@ -77,7 +77,7 @@ def read(path: Path, text: str) -> None:
         assert len(said) < 500
         assert "\n" not in said
         if isinstance(found, nw.Waterway):
-            here = found.keel_section(np.linspace(0, found.line.length, 7), 10.0)
+            here = found.section(np.linspace(0, found.line.length, 7), 10.0)
             assert np.isfinite([here.width, here.middle, here.curvature]).all()
 
 

@@ -73,7 +73,7 @@ def test_clearances_count_from_the_corners_of_the_hull() -> None:
         asked.append((x, draft))
         return SimpleNamespace(middle=2.0, width=100.0)
 
-    way = SimpleNamespace(keel_section=room, line=SimpleNamespace(length=1000.0))
+    way = SimpleNamespace(section=room, line=SimpleNamespace(length=1000.0))
     hull = SimpleNamespace(length=200.0, beam=30.0, draft=11.0)
     for x in (-5.0, 400.0, 1007.0):
         now = SimpleNamespace(ready=True, values={**STILL, "x": x, "y": 12.0})

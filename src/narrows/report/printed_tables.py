@@ -192,7 +192,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
     """Return a waterway's dimensions as plain values: metres, degrees."""
     length, words = waterway.line.length, waterway.summary()
     s = np.linspace(0, length, SEARCHED)
-    here = waterway.keel_section(s, draft)
+    here = waterway.section(s, draft)
     closed = ~(here.width > 0) | (here.depth <= draft)
     if closed.any():
         index = int(closed.argmax())
@@ -219,7 +219,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
     if waterway.depths is None:
         notes.append("No depth is given: voyages use that of the model; add --depth 16.")
     s = np.linspace(0, length, PRINTED)
-    here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
+    here, heading = waterway.section(s, draft), np.degrees(waterway.line.heading(s)) % 360
     sides = here.width / 2 + here.middle, here.width / 2 - here.middle
     rows = np.transpose(np.broadcast_arrays(s, heading, *sides, here.width, here.depth)).tolist()
     stations = [dict(zip(STATION_UNITS, row, strict=True)) for row in rows]

@@ -88,7 +88,7 @@ def transit_track_figure(transit: WatchedTransit) -> Figure:
     panel.plot(x, y, color=BLACK, lw=1.0, label="midship")
     first, last = np.nanmin(x) - ship.length, np.nanmax(x) + ship.length
     along = np.linspace(max(float(first), 0.0), min(float(last), transit.waterway.line.length), BANK_POINTS)
-    section = transit.waterway.keel_section(along, ship.draft)
+    section = transit.waterway.section(along, ship.draft)
     for sign, words in ((-1, "banks"), (1, None)):
         panel.plot(along, section.middle + sign * section.width / 2, color=BLUE, lw=1.8, label=words)
     panel.set(xlim=(first, last), xlabel="along the waterway [m]", ylabel="y, to starboard [m]")

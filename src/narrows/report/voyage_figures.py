@@ -85,7 +85,7 @@ def _draw_path(axes: Axes, voyage: Voyage) -> None:
     length, waterway = voyage.configuration.ship.length, voyage.waterway
     near, far = (float(end) for end in (voyage.x.min() - 2 * length, voyage.x.max() + 2 * length))
     s = np.linspace(max(near, 0.0), min(far, waterway.line.length), BANK_POINTS)
-    _banks_on_map(axes, waterway, s, waterway.keel_section(s, voyage.configuration.ship.draft))
+    _banks_on_map(axes, waterway, s, waterway.section(s, voyage.configuration.ship.draft))
     path, _ = waterway.to_map(voyage.x, voyage.y, voyage.psi)
     axes.plot(*path.T, color=_colour(voyage), linewidth=1.0)
     _hulls_on(axes, voyage, on_map=True)
@@ -134,7 +134,7 @@ def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
     ends, middle, width = np.array([near, far]), np.zeros(2), np.full(2, voyage.configuration.canal.width)
     if voyage.waterway is not None:
         ends = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS)
-        width, middle = voyage.waterway.keel_section(ends, voyage.configuration.ship.draft)[:2]
+        width, middle = voyage.waterway.section(ends, voyage.configuration.ship.draft)[:2]
     banks = middle - width / 2, middle + width / 2
     for bank in banks:
         axes.plot(ends, bank, color=PANEL_GREY, linewidth=2)

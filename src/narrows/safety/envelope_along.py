@@ -68,7 +68,7 @@ class EnvelopeAlong(BaseResult):
     def banks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return where a keel meets the banks along the waterway [m]: distance, and port and starboard off the line."""
         s = _nodes(self.waterway, self.edges())
-        room = self.waterway.keel_section(s, self.draft)
+        room = self.waterway.section(s, self.draft)
         return s, room.middle - room.width / 2, room.middle + room.width / 2
 
     def to_dataframe(self) -> "pd.DataFrame":
@@ -162,7 +162,7 @@ def _tightest(ship: Ship, waterway: "Waterway", places: np.ndarray) -> np.ndarra
     """Section of each reach with the least free width times water under the keel (n,) [m]; at ties the place."""
     edges = _edges(waterway, places)
     s = _nodes(waterway, np.concatenate([places, edges]))
-    room = waterway.keel_section(s, ship.draft)
+    room = waterway.section(s, ship.draft)
     # A hull in a bend sweeps the height of its chord more, L^2 / (8 R). An unknown depth counts as constant.
     swept = ship.length**2 * np.abs(room.curvature) / 8
     under = np.nan_to_num(room.depth - ship.draft, nan=1.0)
@@ -220,7 +220,7 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
     ship = model.configuration.ship
     waterway.check_fits(ship, at)
     check_along_only(waterway, "an envelope")
-    section, canal, room = waterway.section(at), waterway.canal(at), waterway.keel_section(at, ship.draft)
+    section, canal, room = waterway.section(at), waterway.canal(at), waterway.section(at, ship.draft)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     middle, bend = float(section.middle), float(section.curvature)
     aside, half = float(room.middle) - middle, float(room.width) / 2

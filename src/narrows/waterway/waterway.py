@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -117,20 +117,16 @@ class Waterway(BaseSummary):
         return np.linspace(0, self.line.length, STATIONS)
 
     @cached_property
-    def _current(self) -> float | tuple[tuple[float, float], ...]:
-        return checked_profile(self.name, "current", self.current)
-
-    @property
     def current_pairs(self) -> tuple[tuple[float, float], ...]:
         """Pairs of place [m] and speed [m/s] of the current; empty if continuity gives it."""
-        return self._current if isinstance(self._current, tuple) else ()
+        current = checked_profile(self.name, "current", self.current)
+        return current if isinstance(current, tuple) else ()
 
     @property
     def reference_current(self) -> float:
         """The speed that ``flow`` multiplies: that at the beginning, or the largest of the pairs [m/s]."""
-        if isinstance(self._current, tuple):
-            return max((speed for _, speed in self._current), key=abs)
-        return self._current
+        pairs: Any = self.current_pairs or ((0.0, self.current),)
+        return float(max((speed for _, speed in pairs), key=abs))
 
     def flow(self, s: np.ndarray | float) -> np.ndarray:
         """Return the current at places ``s`` [m] over ``reference_current`` [1].
@@ -171,30 +167,30 @@ class Waterway(BaseSummary):
         bend, at = self.line.sharpest_bend(length)
         return (1 / bend, at, length) if bend * self.line.length > STRAIGHT else None
 
-    def section(self, s: np.ndarray | float) -> Section:
-        """Return the waterway at places ``s`` along its line [m]."""
-        depth = self.depth(s)
-        return self._section(s, self.starboard.wall(s, depth), self.port.wall(s, depth), depth)
+    def section(self, s: np.ndarray | float, draft: float | None = None) -> Section:
+        """Return the waterway at places ``s`` along its line [m].
 
-    def keel_section(self, s: np.ndarray | float, draft: float) -> Section:
-        """Return the waterway at places ``s`` [m] with the width available to a keel of a ``draft`` [m].
-
-        It equals ``section`` at vertical banks.
+        With a ``draft`` [m] the width is that available to its keel; it is the same between vertical banks.
         """
-        depth = self.depth(s)
-        starboard, port = (
-            np.fmin(bank.wall(s, depth), bank.keel(s, depth - draft)) for bank in (self.starboard, self.port)
-        )
-        return self._section(s, starboard, port, depth)
+        starboard, port = self.walls(s, depth := self.depth(s), draft)
+        return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
+
+    def walls(
+        self, s: np.ndarray | float, depth: np.ndarray, draft: float | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return distances to starboard and port at ``s`` and ``depth``, with a ``draft`` those of a keel's contact."""
+
+        def wall(bank: Bank) -> np.ndarray:
+            there = bank.wall(s, depth)
+            return there if draft is None or not bank.profile else np.fmin(there, bank.keel(s, depth - draft))
+
+        return wall(self.starboard), wall(self.port)
 
     def depth(self, s: np.ndarray | float) -> np.ndarray:
         """Return the depth of the water at places ``s`` along the line [m], NaN if unknown."""
         if self.depths is None:
             return np.full(np.shape(s), np.nan)
         return np.asarray(np.interp(s, *self.depths) + self.level)
-
-    def _section(self, s: np.ndarray | float, starboard: np.ndarray, port: np.ndarray, depth: np.ndarray) -> Section:
-        return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
 
     def canal(self, s: float) -> Canal:
         """Return the local straight canal at a place ``s`` along the line [m]."""
@@ -227,7 +223,7 @@ class Waterway(BaseSummary):
         Only the place ``at`` [m] along the line is checked if it is given.
         """
         s = self._stations if at is None else np.array([at])
-        here = self.keel_section(s, ship.draft)
+        here = self.section(s, ship.draft)
         for what, size, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
             short = size <= need
             if short.any():
@@ -374,14 +370,9 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
         raise InputError(f"{waterway.name}: {step} m between nodes is too fine for {length:.6g} m; give a longer step")
     s = np.linspace(0, length, int(np.ceil(length / step)) + 1)
     depth = waterway.depth(s)
-    banks = (waterway.starboard, waterway.port)
-    starboard, port = (bank.wall(s, depth) for bank in banks)
-    keel_starboard, keel_port = (
-        np.fmin(wall, bank.keel(s, depth - draft)) for wall, bank in zip((starboard, port), banks, strict=True)
-    )
     return WaterwayTable(
-        s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s), waterway.flow(s),
-        profile_at(waterway.current_across, s), profile_at(waterway.current_shear, s),
+        s, *waterway.walls(s, depth), *waterway.walls(s, depth, draft), depth, waterway.line.curvature(s),
+        waterway.flow(s), profile_at(waterway.current_across, s), profile_at(waterway.current_shear, s),
     )  # fmt: skip
 
 

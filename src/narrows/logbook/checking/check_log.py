@@ -184,7 +184,7 @@ def check_place(at: Checked) -> Iterator[Finding]:
     reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
     half, middle = np.full(len(y), at.model.configuration.canal.width / 2), np.zeros(len(y))
     if at.waterway is not None:
-        here = at.waterway.keel_section(x, ship.draft)
+        here = at.waterway.section(x, ship.draft)
         half, middle = here.width / 2, here.middle
     beyond, turned = (reach - half + np.abs(side * y - middle) for side in (1, -1))
     if not (share := float(np.nanmean(beyond > 0))) > settings.ASHORE:

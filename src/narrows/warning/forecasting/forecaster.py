@@ -272,7 +272,7 @@ class Forecaster:
         if waterway is None:
             middle, width = np.zeros(1), np.full(1, self.filter.model.configuration.canal.width)
         else:
-            here = waterway.keel_section(np.clip(x, 0.0, waterway.line.length), ship.draft)
+            here = waterway.section(np.clip(x, 0.0, waterway.line.length), ship.draft)
             middle, width = here.middle, here.width
         return max(float((width / 2 - np.abs(y - middle) - half_swept(ship, psi)).min()), 0.0)
 

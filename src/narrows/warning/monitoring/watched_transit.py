@@ -126,7 +126,7 @@ def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances
     if not estimate.ready:
         return Clearances()
     now = estimate.values
-    here = waterway.keel_section(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
+    here = waterway.section(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
     off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, now["psi"]))
     ends = [_hull_end(ship, waterway, now, place * ship.length / 2) for place in (1, -1)]
     return Clearances(room + off, room - off, *ends)
@@ -134,7 +134,7 @@ def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances
 
 def _hull_end(ship: Ship, waterway: Waterway, now: Mapping[str, float], forward: float) -> HullEnd:
     along, across = math.cos(now["psi"]), math.sin(now["psi"])
-    here = waterway.keel_section(min(max(now["x"] + forward * along, 0.0), waterway.line.length), ship.draft)
+    here = waterway.section(min(max(now["x"] + forward * along, 0.0), waterway.line.length), ship.draft)
     room, off = float(here.width) / 2 - ship.beam / 2 * along, now["y"] + forward * across - float(here.middle)
     speed = now["u"] * across + (now["v"] + now["r"] * forward) * along
     return HullEnd(room + off, room - off, speed)

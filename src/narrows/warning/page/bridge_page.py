@@ -82,8 +82,8 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
         }  # fmt: skip
     return {
         "ship": {"pose": drawn(*pose).tolist(), "length": ship.length, "beam": ship.beam},
-        "middle": drawn(along, way.keel_section(along, ship.draft).middle).tolist(),
-        "banks": sides(way.section(s)), "limits": sides(way.keel_section(s, ship.draft)), "fan": fan,
+        "middle": drawn(along, way.section(along, ship.draft).middle).tolist(),
+        "banks": sides(way.section(s)), "limits": sides(way.section(s, ship.draft)), "fan": fan,
     }  # fmt: skip
 
 
