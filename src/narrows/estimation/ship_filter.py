@@ -38,8 +38,6 @@ MODEL = "model"
 Coefficients = Literal["certain", "estimated"]
 Readings = Mapping[str, Sequence[float]]
 MEMORIES = np.array(settings.DRIFT_MEMORIES)
-# Velocity through the water that a change of each current makes.
-WATER_VELOCITIES = {"current": "u", "current_across": "v"}
 
 
 class SigmaPointWeights(NamedTuple):
@@ -215,9 +213,9 @@ class ShipFilter:
         """Walks of the states and of the coefficients: corrections fade, and the stationary spread is the fit's."""
         fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
         walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
-        places = self.states.places
+        places, water = self.states.places, {"current": "u", "current_across": "v"}
         # A ship keeps its way over the ground when the current changes; that through the water takes the change.
-        pairs = [(places[one], places[other]) for one, other in WATER_VELOCITIES.items() if one in places]
+        pairs = [(places[one], places[other]) for one, other in water.items() if one in places]
         return MarkovProcess(walks, times, pairs)
 
     @cached_property

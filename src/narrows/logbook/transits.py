@@ -65,7 +65,6 @@ class TransitConditions(BeamWind):
         )
 
 
-TRANSITS = (1, 5, 20)
 LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1]
 
 
@@ -118,7 +117,7 @@ class InformationForecast(Tabulated):
 @accept_aliases
 def predict_information(
     model: Model, waterway: Waterway | None = None, sensors: str | SensorGrade = "vdr",
-    transits: int | Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
+    transits: int | Sequence[int] = (1, 5, 20), *, u: float | None = None, duration: float | None = None,
     targets: Sequence[str] = (), conditions: TransitConditions | None = None, seed: int = 0,
 ) -> InformationForecast:  # fmt: skip
     """Predict the standard errors of the bank coefficients after future transits.

@@ -147,7 +147,6 @@ MISREADINGS = (
 )  # fmt: skip
 
 
-MAY_BE_STUCK = ("x", "y", "psi", "r")  # Signals
 DETERMINED = 1e-6  # Least share of the information on a fault that is independent of the fitted numbers [1]
 FEWEST = 4  # Least number of records from which a variance of scores is estimated
 
@@ -300,7 +299,7 @@ def _fitted(problem: LogProblem, grid: RecordGrid, recorded: RecordGrid) -> tupl
 def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:
     """Yield signals that repeat one value for long while the ship moves by all others: from when to when [s]."""
     lasting = STUCK_LENGTHS * problem.scales[0] / problem.scales[3]
-    for name in MAY_BE_STUCK:
+    for name in ("x", "y", "psi", "r"):
         if name not in grid.readings:
             continue
         ends = longest_run(grid.record[name].values)
