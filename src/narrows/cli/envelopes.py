@@ -19,12 +19,6 @@ GUST_FACTOR = 1.24
 
 
 @dataclass(frozen=True)
-class GridOptions:
-    y: Annotated[Numbers | None, "Offsets from the middle [m]: a,b,c or from:to:count; default: all."] = None
-    speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None
-
-
-@dataclass(frozen=True)
 class SectionOptions:
     width: Annotated[float | None, "Width of the canal [m]; default: the model's own."] = None
     depth: Annotated[float | None, "Depth of the canal [m], likewise."] = None
@@ -101,7 +95,9 @@ DEMO_SHIP = "estimated_kcs"
     apart=("at along", "width waterway", "depth waterway"),
 )  # fmt: skip
 def envelope(
-    grid: GridOptions,
+    *,
+    y: Annotated[Numbers | None, "Offsets from the middle [m]: a,b,c or from:to:count; default: all."] = None,
+    speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None,
     section: SectionOptions,
     weather: WeatherOptions,
     cases: CaseOptions,
@@ -122,7 +118,7 @@ def envelope(
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
-        "y": grid.y, "u": grid.speed, "disturbance": disturbance, **vars(cases), "bank": bank,
+        "y": y, "u": speed, "disturbance": disturbance, **vars(cases), "bank": bank,
         "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
     }  # fmt: skip
     if section.along is not None:

@@ -14,7 +14,7 @@ from narrows.base.errors import InputError
 from narrows.base.files import to_json, write_whole
 from narrows.base.progress import stage
 from narrows.cli import options as cli
-from narrows.cli.voyages import OF_WATERWAY, HelmOptions, PhysicsOptions, WaterOptions
+from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export.exporters import EXPORTERS
 
@@ -123,7 +123,8 @@ def explain(
 
     It gives the errors of the model, the verdicts of a fit to these tests, and the terms that predict them best.
     """
-    from narrows.report.fit_page import print_explanation, write_explanation
+    from narrows.report.fit_page import write_explanation
+    from narrows.report.printed_tables import print_explanation
 
     chosen = model_named(model)
     result = nw.explain(chosen, _tests(table, ship or chosen.configuration, selection, chosen.terms), compare)
@@ -205,29 +206,25 @@ class RunOptions:
         return nw.Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
 
 
-@dataclass(frozen=True)
-class AimOptions:
-    errors: cli.RunErrors = "0.02,0.02,0.02"
-    terms: cli.Terms = "paper"
-    targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = ""
-
-
 @cli.verb(
     "narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv", needs={"where mapping condition": "after"}
 )
 def plan(
     ship: Annotated[Path, cli.Argument(help=cli.SHIP_FILE)],
     runs: RunOptions,
-    aim: AimOptions,
     selection: cli.SelectionOptions,
     delivery: cli.TableDelivery,
     after: Annotated[Path | None, "Earlier captive tests."] = None,
+    errors: cli.RunErrors = "0.02,0.02,0.02",
+    terms: cli.Terms = "paper",
+    targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = "",
 ) -> None:
     """Choose captive tests that identify the bank."""
     from narrows.report.printed_tables import print_plan
 
-    made = _tests(after, ship, selection, aim.terms) if after else None
-    result = nw.plan_tests(made.configuration if made else ship, runs.runs, tank=runs.tank(), after=made, **vars(aim))
+    made = _tests(after, ship, selection, terms) if after else None
+    aim = {"errors": errors, "terms": terms, "targets": targets}
+    result = nw.plan_tests(made.configuration if made else ship, runs.runs, tank=runs.tank(), after=made, **aim)
     delivery.give(result, print_plan)
     raise SystemExit(int(not result.determined))
 
@@ -280,8 +277,8 @@ def export(
         raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
     exporter = EXPORTERS[kind]
     ship, way = model_named(model), water.read()
-    options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics)}
-    options["controller"] = HelmOptions(hold=hold).of(ship, voyage_defaults(ship).speed, 0.0, way)
+    helm = None if hold is None else nw.control.regulator(ship, hold, voyage_defaults(ship).speed, waterway=way)
+    options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics), "controller": helm}
     for name, why in exporter.refused.items():
         if options[name] is not None:
             raise InputError(why)

@@ -41,12 +41,6 @@ class LegOptions:
     wind: Annotated[cli.Speed, "Standard deviation of beam wind: 8m/s, 16kn."] = "8m/s"
 
 
-@dataclass(frozen=True)
-class InformationOptions:
-    predict_information: Annotated[str | None, "Predict what transits tell of the banks; sensors: rtk or vdr."] = None
-    waterway: cli.WaterwayFile = None
-
-
 @cli.verb(
     "narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html",
     needs={"waterway": "logs predict_information", "output report": "logs steady demo"},
@@ -55,8 +49,9 @@ class InformationOptions:
 def learn(
     logged: LogOptions,
     legs: LegOptions,
-    ahead: InformationOptions,
     delivery: cli.ModelDelivery,
+    predict_information: Annotated[str | None, "Predict what transits tell of the banks; sensors: rtk or vdr."] = None,
+    waterway: cli.WaterwayFile = None,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
     model: Annotated[str | None, cli.Argument(help=OWN_SIZE, metavar="[MODEL]")] = None,
     logs: Annotated[list[Path] | None, cli.Argument(help=LOGS, metavar="[LOG]...")] = None,
@@ -72,23 +67,25 @@ def learn(
         prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
         found = _deliver(nw.learn(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
     elif logs:
-        found = _learn(model_named(model or ""), logs, logged, ahead, delivery)
+        found = _learn(model_named(model or ""), logs, logged, waterway, delivery)
     elif legs.steady is not None:
         found = _learn_steady(model_named(model or ""), legs, legs.steady, delivery)
     elif legs.plan_steady is not None:
         found = _plan(model_named(model or ""), legs, legs.plan_steady, speed, delivery.json)
     else:
-        found = _predict_information(model_named(model or ""), ahead, speed, delivery.json)
+        found = _predict_information(
+            model_named(model or ""), predict_information or "", waterway, speed, delivery.json
+        )
     raise SystemExit(int(not found))
 
 
 def _learn(
-    model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: cli.ModelDelivery
+    model: "nw.Model", logs: list[Path], logged: LogOptions, waterway: Path | None, delivery: cli.ModelDelivery
 ) -> bool:
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
-    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
+    way = None if waterway is None else nw.read_waterway(waterway)
     # Logs in memory, or read from disk at each pass if one is large.
     large = len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE
     log: Any = nw.stream_log(logs[0], way, logged.mapping) if large else nw.read_log(logs, way, logged.mapping)
@@ -136,12 +133,12 @@ def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, js
     return bool(plan.legs)
 
 
-def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: str | None, json: bool) -> bool:
+def _predict_information(model: "nw.Model", sensors: str, waterway: Path | None, speed: str | None, json: bool) -> bool:
     from narrows.report.learning_pages import print_information
 
-    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
+    way = None if waterway is None else nw.read_waterway(waterway)
     u = None if speed is None else cli.speed("--speed", speed)
-    found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
+    found = nw.predict_information(model, way, sensors, u=u)
     values = _told(found, information=found.to_dict())
     cli.Delivery(json=json).give(found, print_information, values=lambda: values)
     return True

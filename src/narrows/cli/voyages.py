@@ -47,19 +47,12 @@ class HelmOptions:
     hold: Annotated[float | None, "Offset held by a helm [m], for models with a rudder."] = None
     controller: Annotated[str | None, "Helm: regulator or predictive."] = None
 
-    def of(self, model: "nw.Model", u: float, x: float, way: "nw.Waterway | None") -> Any:
-        """Return the helm for the model's own canal, or for the section of a waterway at the ship's start."""
+    def values(self, model: "nw.Model", u: float, way: "nw.Waterway | None") -> dict[str, Any]:
         if self.controller is not None:
             check_choice("--controller", self.controller, HELMS)
-        if self.hold is None:
-            return None
-        if self.controller == "predictive":
-            from narrows.control.predictive import PredictiveHelm
-
-            return PredictiveHelm(model, self.hold, u, way)
-        from narrows.control.regulator import regulator
-
-        return regulator(model, self.hold, u, waterway=way, at=0.0 if way is None else x)
+        if self.controller == "predictive" and self.hold is not None:
+            return {"controller": nw.control.PredictiveHelm(model, self.hold, u, way)}
+        return {"hold": self.hold}
 
 
 @dataclass(frozen=True)
@@ -169,11 +162,9 @@ def simulate(
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.speed is None else start.speed
     options: dict[str, Any] = start.values() | vars(time) | vars(physics) | {"bottom": bottom}
-    controller = helm.of(chosen, u, start.x, waterway)
-    voyage = nw.simulate(
-        chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options
-    )
-    unsteered = controller is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
+    options |= helm.values(chosen, u, waterway)
+    voyage = nw.simulate(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, **options)
+    unsteered = helm.hold is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
     fixed = (
         f"\nNobody steered: the rudder stayed at {helm.rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
     )

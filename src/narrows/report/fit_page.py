@@ -1,4 +1,4 @@
-"""Self-contained pages of fits, of a model on a table of tests (in the terminal too), and of the reproduction."""
+"""Self-contained pages of fits, of a model on a table of tests, and of the reproduction."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -19,16 +19,7 @@ from narrows.model.data_range import MEASURES
 from narrows.model.term import Term
 from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
-from narrows.report.printed_tables import (
-    best_known_first,
-    coefficient_row,
-    console_of,
-    heading,
-    kkt_sentence,
-    print_fit,
-    share_rows,
-    table_of,
-)
+from narrows.report.printed_tables import apart_rows, coefficient_row, heading, kkt_sentence, share_rows, surest_first
 from narrows.report.style import svg
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
@@ -86,7 +77,7 @@ def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = Non
                       for force, terms in fit.terms.forces.items() if terms],
         "constraints": "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded)
                                  + [" = ".join(tie) for tie in fit.terms.ties]) or "none",
-        "coefficients": [coefficient_row(fit, name) for name in best_known_first(fit)],
+        "coefficients": [coefficient_row(fit, name) for name in surest_first(fit)],
         "first": first,
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
@@ -134,7 +125,7 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
     compared, caption = explanation.comparison, "Errors of tables of terms, of the fit and on left-out tests."
     write_page(
-        path, "explanation.html.j2", title=title, explanation=explanation, coefficients=_apart(explanation),
+        path, "explanation.html.j2", title=title, explanation=explanation, coefficients=apart_rows(explanation),
         units={force: quantity.unit for force, quantity in FORCES.items()},
         comparison=figure(draw.comparison_figure(compared), caption),
         rows=[row | {"said": "; ".join(map(_said, row["bank"], row["bank"].values()))} for row in compared.rows()],
@@ -142,39 +133,10 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
     )  # fmt: skip
 
 
-def _apart(explanation: Explanation) -> list[dict[str, Any]]:
-    """Return the rows of the model's coefficients and those of these tests."""
-    own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
-           for name in explanation.fit.terms.names}  # fmt: skip
-    return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]
-
-
 def _said(name: str, coefficient: dict[str, Any]) -> str:
     low, high = coefficient["ci95"]
     known = f" {low:.3g} to {high:.3g}" if np.isfinite([low, high]).all() else ""
     return f"{name}{known} ({coefficient['verdict']})"
-
-
-APART = {
-    "": "{name}", "model": "{model}", "these tests": "{value}", "95 % interval": "{interval}",
-    "apart [std. errors]": "{apart:+.1f}", "unit": "{unit}",
-}  # fmt: skip
-COMPARED = {
-    "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
-    "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
-}  # fmt: skip
-
-
-def print_explanation(explanation: Explanation, label: str = "") -> None:
-    console, title = console_of(), "Tables of terms by their error (RMSE) on left-out tests"
-    for sentence in (*explanation.summary().splitlines(), *explanation.notes):
-        console.print(f"- {sentence}")
-    rows = _apart(explanation)
-    console.print(table_of(APART, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
-    print_fit(explanation.fit, label)
-    console.print(table_of(COMPARED, explanation.comparison.rows(), left=("terms", "force"), title=title))
-    for sentence in explanation.comparison.summary().splitlines():
-        console.print(f"- {sentence}")
 
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:

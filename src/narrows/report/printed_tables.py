@@ -16,7 +16,7 @@ from narrows.base.results import interval, readable
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
 
-    from narrows.identification import Fit
+    from narrows.identification import Explanation, Fit
     from narrows.identification.bank_summary import BankSummary
     from narrows.identification.plan import Plan
     from narrows.model.froude import Scaled
@@ -50,22 +50,22 @@ class _CellFormatter(Formatter):
         return f"{100 * value:{form[:-1]}f} %" if form.endswith("%") else format(value, form)
 
 
-def cells_of(columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]]) -> list[list[str]]:
-    """Return the cells of rows; ``columns`` maps heads to formats, as ``{y:+.1f}``; ``-`` for numbers not finite."""
-    cells = _CellFormatter()
-    return [[cells.vformat(form, (), row).replace("- to -", "-") for form in columns.values()] for row in rows]
+CELLS = _CellFormatter()
 
 
 def table_of(
     columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
 ) -> Table:  # fmt: skip
-    """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned."""
+    """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned.
+
+    ``columns`` maps heads to formats, such as ``{y:+.1f}``; numbers that are not finite become ``-``.
+    """
     table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", **options)
     for head in columns:
         table.add_column(head, justify="left" if head in left else "right", no_wrap=no_wrap)
-    rows = list(rows)
-    for row, cells in zip(rows, cells_of(columns, rows), strict=True):
+    for row in rows:
+        cells = (CELLS.vformat(form, (), row).replace("- to -", "-") for form in columns.values())
         table.add_row(*cells, style=row.get("style"))
     return table
 
@@ -263,7 +263,7 @@ def print_fit(
         console.print(sentence)
     if table or is_verbose():
         console.print()
-        known = (coefficient_row(fit, name) for name in best_known_first(fit))
+        known = (coefficient_row(fit, name) for name in surest_first(fit))
         console.print(table_of(COLUMNS, known, left=("", "unit"), no_wrap=True))
     if not is_verbose():
         failed = () if fit.solution.kkt.satisfied else (kkt_sentence(fit),)
@@ -285,7 +285,7 @@ def print_fit(
         console.print(note, style="dim")
 
 
-def best_known_first(fit: "Fit") -> list[str]:
+def surest_first(fit: "Fit") -> list[str]:
     """Return the coefficients: identified, zero, others, undetermined; each group by relative uncertainty."""
     from narrows.identification.verdict import IDENTIFIED, ZERO
 
@@ -332,3 +332,32 @@ SCORE_COLUMNS = {
     "": "{force}", "R2": "{fit.r2:.3f}", "RMSE": "{fit.rmse:.3f}", "R2 left out": "{left_out.r2:.3f}",
     "RMSE left out": "{left_out.rmse:.3f}",
 }  # fmt: skip
+
+
+def apart_rows(explanation: "Explanation") -> list[dict[str, Any]]:
+    """Return the rows of the model's coefficients and those of these tests."""
+    own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
+           for name in explanation.fit.terms.names}  # fmt: skip
+    return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]
+
+
+APART = {
+    "": "{name}", "model": "{model}", "these tests": "{value}", "95 % interval": "{interval}",
+    "apart [std. errors]": "{apart:+.1f}", "unit": "{unit}",
+}  # fmt: skip
+COMPARED = {
+    "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
+    "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
+}  # fmt: skip
+
+
+def print_explanation(explanation: "Explanation", label: str = "") -> None:
+    console, title = console_of(), "Tables of terms by their error (RMSE) on left-out tests"
+    for sentence in (*explanation.summary().splitlines(), *explanation.notes):
+        console.print(f"- {sentence}")
+    rows = apart_rows(explanation)
+    console.print(table_of(APART, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
+    print_fit(explanation.fit, label)
+    console.print(table_of(COMPARED, explanation.comparison.rows(), left=("terms", "force"), title=title))
+    for sentence in explanation.comparison.summary().splitlines():
+        console.print(f"- {sentence}")

@@ -86,6 +86,16 @@ class Alert:
     repeats: int = 0  # Count of repeated soundings
 
     @property
+    def name(self) -> str:
+        """Name of the situation."""
+        return SITUATIONS[self.identifier].name
+
+    @property
+    def holds(self) -> bool:
+        """Whether the condition holds."""
+        return self.state in HOLDS
+
+    @property
     def category(self) -> str:
         """A: to be judged by the picture of this page; B: by the text of the alert."""
         return "A" if self.identifier in (one.identifier for one in BANKS.values()) else "B"
@@ -98,8 +108,8 @@ class Alert:
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
         if priority is Priority.NONE:
             rectified = AlertState.NORMAL if self.state in ANSWERED else AlertState.RECTIFIED
-            return self._changed(t, rectified) if self.state in HOLDS else self
-        if self.state in HOLDS and priority == self.priority:
+            return self._changed(t, rectified) if self.holds else self
+        if self.holds and priority == self.priority:
             return replace(self, text=text)
         instance = self.instance + (self.state is AlertState.NORMAL)
         # A caution needs no acknowledgement, an acknowledged alert of lower priority no second one;
@@ -189,8 +199,11 @@ class AlertDesk:
     @property
     def alerts(self) -> tuple[Alert, ...]:
         """Those that are not normal, the most urgent first."""
-        active = [alert for alert in self._alerts.values() if alert.state is not AlertState.NORMAL]
+        active = [alert for alert in self if alert.state is not AlertState.NORMAL]
         return tuple(sorted(active, key=lambda alert: (alert.state is AlertState.RECTIFIED, -alert.priority)))
+
+    def __iter__(self) -> Iterator[Alert]:
+        return iter(self._alerts.values())
 
     def __getitem__(self, situation: Situation) -> Alert:
         return self._alerts[situation.identifier]

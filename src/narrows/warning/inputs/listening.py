@@ -17,16 +17,7 @@ from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from narrows.base.errors import InputError, needs, reason
-from narrows.readers.nmea import (
-    PARTICULARS,
-    DecodedMessage,
-    Entry,
-    GroupedValues,
-    NmeaDecoder,
-    Sentence,
-    Values,
-    sentences,
-)
+from narrows.readers.nmea import PARTICULARS, DecodedMessage, Entry, NmeaDecoder, Sentence, Values, sentences
 from narrows.warning import settings
 from narrows.warning.alerts.alert import command_of
 from narrows.warning.inputs.bridge_readings import Tick
@@ -104,16 +95,16 @@ class Listening(AbstractContextManager["Listening"]):
         # A datagram ends its last line, so that those of several senders do not mix.
         splitter, signal_k = LineSplitter(faults), SignalK(faults)
         for content, sender in connection.pieces(self._stop):
-            messages: Iterator[Sentence | DecodedMessage]
+            now, messages = time.monotonic(), list[Sentence | DecodedMessage]()
             if connection.signal_k:
-                messages = signal_k.deltas(content, time.time())
+                messages += signal_k.deltas(content, time.time())
             else:
-                messages = sentences(splitter.lines(content, connection.whole), faults)
+                messages += sentences(splitter.lines(content, connection.whole), faults)
             for message in messages:
                 if isinstance(message, Sentence) and message.kind.endswith("ACN") and sender not in self._peers:
                     faults[NO_PEER] += 1
                 else:
-                    self.inbox.put(Arrival(time.monotonic(), message))
+                    self.inbox.put(Arrival(now, message))
 
 
 NO_PEER = "of commands from a place that may give none (--commands-from)"
@@ -211,7 +202,7 @@ class SignalK:
             self.faults["of Signal K that cannot be understood"] += 1
 
 
-def _grouped(pairs: Any) -> GroupedValues:
+def _grouped(pairs: Any) -> dict[str, Values]:
     values: dict[str, Values] = {}
     for each in pairs:
         path, value = ENGINE.sub("propulsion.", each["path"]), each["value"]

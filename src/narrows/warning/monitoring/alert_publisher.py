@@ -19,18 +19,7 @@ from narrows.base.errors import InputError, needs
 from narrows.base.files import to_json
 from narrows.readers.nmea import with_checksum
 from narrows.warning import settings
-from narrows.warning.alerts.alert import (
-    ANSWERED,
-    HOLDS,
-    MAKER,
-    SITUATIONS,
-    Alert,
-    AlertCommand,
-    AlertDesk,
-    AlertLog,
-    AlertState,
-    Priority,
-)
+from narrows.warning.alerts.alert import MAKER, Alert, AlertCommand, AlertDesk, AlertLog, AlertState, Priority
 
 TALKER = "II"  # Integrated instrumentation
 # Letters of the second sentence of an alert.
@@ -49,7 +38,7 @@ def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertStat
     # An alert that is not normal has a priority; one that became normal keeps its last one.
     about = f"{_clock(since_1970)},{alert.category},{alert.priority.letter},{letters[alert.state]}"
     which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
-    texts = (about, SITUATIONS[alert.identifier].name), (",,,", alert.text[:LONGEST_TEXT])
+    texts = (about, alert.name), (",,,", alert.text[:LONGEST_TEXT])
     return [
         with_checksum(f"{TALKER}ALF,2,{place},{number % 10},{head},{which},{_escaped(text)}")
         for place, (head, text) in enumerate(texts, 1)
@@ -96,12 +85,13 @@ SOURCE = "narrows"
 def notifications(desk: AlertDesk | None, since_1970: float) -> dict[str, Any]:
     """Return the delta of all alerts; without a desk that of a monitor that has ended: nothing is alerted any more."""
     pairs = []
-    for situation in SITUATIONS.values():
+    for alert in desk or AlertDesk():
         value: dict[str, Any] = {"state": "normal", "method": [], "message": "" if desk else "The monitor has ended."}
-        if desk and (alert := desk[situation]).state in HOLDS:
-            methods = ["visual"] * (alert.state not in ANSWERED) + ["sound"] * alert.sounds
+        if alert.holds:
+            seen = alert.state in (AlertState.UNACKNOWLEDGED, AlertState.SILENCED)
+            methods = ["visual"] * seen + ["sound"] * alert.sounds
             value = {"state": STATES[alert.priority], "method": methods, "message": alert.text}
-        first, *others = situation.name.lower().split()
+        first, *others = alert.name.lower().split()
         pairs.append({"path": f"notifications.{SOURCE}.{first}{''.join(map(str.title, others))}", "value": value})
     stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": pairs}]}

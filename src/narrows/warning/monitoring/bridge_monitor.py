@@ -27,7 +27,6 @@ from narrows.warning.alerts.alert import (
     ANY_SENSOR,
     BANKS,
     CALM,
-    HOLDS,
     LOG_LATE,
     NO_FORECAST,
     OTHER_SENSORS,
@@ -73,7 +72,7 @@ class BridgeMonitor:
         self.desk = AlertDesk(log.alerts if log else ())
         known = {side: self.desk[bank] for side, bank in BANKS.items()}
         self._levels = {
-            side: BankLevel(alert.priority if alert.state in HOLDS else Priority.NONE) for side, alert in known.items()
+            side: BankLevel(alert.priority if alert.holds else Priority.NONE) for side, alert in known.items()
         }  # After a restart an alert is not over before a forecast was calm for as long as ever.
         self._cautions = Cautions()
         self._positions: dict[str, float] = {}

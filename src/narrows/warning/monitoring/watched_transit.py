@@ -13,19 +13,8 @@ from narrows.estimation.states import Estimate
 from narrows.ship.particulars import Configuration, Ship, half_swept
 from narrows.simulation.outcome import water_notes
 from narrows.warning import settings
-from narrows.warning.alerts.alert import (
-    ANY_SENSOR,
-    HOLDS,
-    LOG_LATE,
-    SAME,
-    SHIP_OR_WATER,
-    SITUATIONS,
-    Alert,
-    BankLevel,
-    Priority,
-)
+from narrows.warning.alerts.alert import ANY_SENSOR, LOG_LATE, SAME, SHIP_OR_WATER, Alert, BankLevel, Priority
 from narrows.warning.forecasting.forecaster import BankForecast, level_time
-from narrows.warning.settings import NEAR_MISS
 from narrows.waterway.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -74,7 +63,7 @@ class BridgeStatus(Aliased):
     @property
     def level(self) -> Priority:
         """Level of the most urgent alert whose condition holds."""
-        return max((alert.priority for alert in self.alerts if alert.state in HOLDS), default=Priority.NONE)
+        return max((alert.priority for alert in self.alerts if alert.holds), default=Priority.NONE)
 
     @property
     def word(self) -> str:
@@ -83,18 +72,18 @@ class BridgeStatus(Aliased):
             return NOT_AVAILABLE
         if self.level:
             return self.level.words
-        return CLEAR if self.forecast.clear and self.clearance >= NEAR_MISS else WATCH
+        return CLEAR if self.forecast.clear and self.clearance >= settings.NEAR_MISS else WATCH
 
     @property
     def headline(self) -> str:
         if self.forecast is None:
             return self.why
-        urgent = next((alert for alert in self.alerts if alert.state in HOLDS and alert.priority is self.level), None)
+        urgent = next((alert for alert in self.alerts if alert.holds and alert.priority is self.level), None)
         return urgent.text if urgent else self.forecast.words()
 
     @property
     def caveats(self) -> tuple[str, ...]:
-        doubts = (alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.state in HOLDS)
+        doubts = (alert.text for alert in self.alerts if alert.identifier in DOUBTS and alert.holds)
         return (*doubts, *self.limits)
 
     def line(self) -> str:
@@ -117,7 +106,7 @@ class BridgeStatus(Aliased):
 
 
 def alert_to_dict(alert: Alert) -> dict[str, Any]:
-    words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
+    words = {"name": alert.name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}
 
 
