@@ -87,7 +87,7 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     assert "The model was fitted on this table." in out
     page = (tmp_path / "e.html").read_text()
     assert "<script" not in page
-    assert page.count("<figure") == 7
+    assert page.count("<figure") == 6
     code, out, _ = cli("explain", "mikkelsen2025_dtc", table, "--compare", "speed", "--json")
     told = json.loads(out)
     assert code == 0

@@ -50,7 +50,7 @@ def learn(
     logged: LogOptions,
     legs: LegOptions,
     delivery: cli.ModelDelivery,
-    predict_information: Annotated[str | None, "Predict what transits tell of the banks; sensors: rtk or vdr."] = None,
+    predict_information: Annotated[str | None, "Predict errors of bank coefficients; sensors: rtk or vdr."] = None,
     waterway: cli.WaterwayFile = None,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
     model: Annotated[str | None, cli.Argument(help=OWN_SIZE, metavar="[MODEL]")] = None,
@@ -101,10 +101,10 @@ def _learn(
 
 
 def _deliver(fit: "nw.LogFit", delivery: cli.ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
-    from narrows.report.learning_pages import print_log_fit, write_log_report
+    from narrows.report.learning_pages import print_learned, write_log_report
 
     delivery.give(
-        fit, lambda fit: print_log_fit(fit, truth), save=fit.model.save,
+        fit, lambda fit: print_learned(fit, "estimate from the log", truth), save=fit.model.save,
         report=lambda path: write_log_report(fit, path, truth),
         values=lambda: _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth)),
     )  # fmt: skip
@@ -112,12 +112,12 @@ def _deliver(fit: "nw.LogFit", delivery: cli.ModelDelivery, truth: Mapping[str, 
 
 
 def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: cli.ModelDelivery) -> bool:
-    from narrows.report.learning_pages import print_steady_fit, write_steady_report
+    from narrows.report.learning_pages import print_learned, write_steady_report
 
     fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
     delivery.give(
-        fit, print_steady_fit, save=fit.model.save, report=lambda path: write_steady_report(fit, path),
-        values=lambda: _told(fit, steady=fit.to_dict()),
+        fit, lambda fit: print_learned(fit, "information"), save=fit.model.save,
+        report=lambda path: write_steady_report(fit, path), values=lambda: _told(fit, steady=fit.to_dict()),
     )  # fmt: skip
     return fit.informative
 

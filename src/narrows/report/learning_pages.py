@@ -106,12 +106,6 @@ def forecast_figure(record: RecordAnswer) -> Figure:
     return figure
 
 
-def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
-    words = "estimate from the log"
-    columns = {**LEARNED, words: "{verdict}", **({"truth": "{truth:.3g}"} if truth else {})}
-    print_result(fit, table_of(columns, learned_rows(fit.coefficients, truth), left=("", "unit", words)))
-
-
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
 # Largest number of points of a curve.
 MOST_POINTS = 4000
@@ -285,9 +279,9 @@ def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
     return np.asarray(np.quantile(np.where(np.isnan(angles), beyond, angles), BAND, axis=1, method="higher"))
 
 
-def print_steady_fit(fit: SteadyFit) -> None:
-    columns = {**LEARNED, "information": "{verdict}"}
-    print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", "information")))
+def print_learned(fit: LogFit | SteadyFit, verdict: str, truth: Mapping[str, float] | None = None) -> None:
+    columns = {**LEARNED, verdict: "{verdict}", **({"truth": "{truth:.3g}"} if truth else {})}
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients, truth), left=("", "unit", verdict)))
 
 
 LEGS = {
