@@ -16,7 +16,7 @@ from engine_models import ACTUATED, TABLES, bent, model_of
 from narrows.codegen.compilation import optimised
 from narrows.simulation import outcome as end
 from narrows.simulation.controllers import Autopilot, Zigzag
-from narrows.simulation.inputs import INPUTS, START
+from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun, PreparedRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip, along_waterway, steering_of, straight_channel
@@ -44,7 +44,7 @@ def fleet(
     controller: Any = None, waterway: Waterway | None = None, **values: Any,
 ) -> Fleet:  # fmt: skip
     """Vessels laid out as ``ensemble`` does it, without its labels and checks."""
-    given = {**dict.fromkeys((*START, *INPUTS), 0.0), "u": 1.0, "rudder": 0.0, **values}
+    given = {**dict.fromkeys((*START, "X", "Y", "N"), 0.0), "u": 1.0, "rudder": 0.0, **values}
     vessels = math.prod(np.broadcast_shapes(*(np.shape(value) for value in (*given.values(), dt, duration))))
     run = KernelRun(ship, duration, dt, steering_of(controller, ship.actuators), waterway)
     return Fleet(run, given, run.prepared(given, vessels, workers))

@@ -17,7 +17,6 @@ from narrows.quantities.names import FORCES, Number
 from narrows.ship.checks import check_angles
 from narrows.simulation.grid import grid_of
 from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions, initial_state
-from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading, finite_numbers
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
@@ -208,7 +207,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)
-    check_irrelevant(ship, {name: value for name, value in vary.items() if name not in PUSHED})
+    check_irrelevant(ship, {name: value for name, value in vary.items() if name not in INPUTS})
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
     silent = {} if bank else {term.name: 0.0 for term in model.terms.terms if term.from_bank}
     inputs = {**ship.values(), **values, **silent}

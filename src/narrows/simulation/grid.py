@@ -19,10 +19,10 @@ from narrows.base.errors import InputError, check_count, did_you_mean, needs, re
 from narrows.base.progress import bar
 from narrows.model.model import Model
 from narrows.model.term import TermTable
-from narrows.quantities.names import PARTICULARS
+from narrows.quantities.names import FORCES, PARTICULARS
 from narrows.ship.actuators import STANDARD, particulars_with, places_of
 from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
-from narrows.simulation.inputs import INPUTS, START, STEADY
+from narrows.simulation.inputs import START, STEADY
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import KINDS, WAYS
 from narrows.simulation.settings import MOST_SAMPLES, TASK_VESSELS
@@ -81,7 +81,7 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
     movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
     names = {*machinery, *(actuator.name for actuator in (*STANDARD, *movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
-    known = {**START, **INPUTS, **STEADY, **particulars, **model.coefficients}
+    known = {**START, **dict.fromkeys(FORCES, 0.0), **STEADY, **particulars, **model.coefficients}
     words = {*known, *machinery, *(actuator.name for actuator in movers)}
     for name in vary:
         if name not in words:

@@ -11,7 +11,7 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.codegen.choices import LENGTH, SHARE
-from narrows.codegen.free_motion import MIDSHIP, OPEN
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN
 from narrows.codegen.kernels import event, single
 from narrows.codegen.system import System
 from narrows.model.model import Model
@@ -21,7 +21,6 @@ from narrows.ship.actuators import PROPELLER, places_of
 from narrows.ship.motion import Motion
 from narrows.simulation import settings
 from narrows.simulation.controllers import Controller, Order, VoyageState
-from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.outcome import Code
@@ -226,7 +225,7 @@ def initial_state(
     if waterway is not None and not 0 <= (x := numbers["x"]) < waterway.line.length:
         raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
     run = KernelRun(ship, math.inf, math.inf, steering, waterway)
-    values = {**dict.fromkeys(PUSHED, 0.0), **numbers, **({PUSH_END: math.inf} if pushed else {})}
+    values = {**dict.fromkeys(INPUTS, 0.0), **numbers, **({PUSH_END: math.inf} if pushed else {})}
     system = run.system(values)
     inputs, channel = run.inputs(system, values)
     order = steering.asked if steering else None
@@ -252,7 +251,7 @@ def initial_state(
 def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
     """Raise if an argument has no effect."""
     terms = ship.model.terms
-    relevant = {*START, *PUSHED, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
+    relevant = {*START, *INPUTS, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
     relevant |= {actuator.name for actuator in terms.actuators}
     relevant |= {"mass", "inertia", "x_g"} if ship.coriolis else set()
     relevant |= {"depth", "draft", "block_coefficient"} if ship.bottom else set()

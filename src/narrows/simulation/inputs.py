@@ -15,9 +15,6 @@ from narrows.simulation.settings import MOST_EXTENT, MOST_POINTS, MOST_WORKERS
 # Default state at the start.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 
-# Constant surge force, sway force and yaw moment.
-INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
-
 # Sinkage and rudder angle, constant through a voyage.
 STEADY = {"heave": 0.0, "rudder": 0.0}
 

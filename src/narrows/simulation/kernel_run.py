@@ -23,7 +23,6 @@ from narrows.model.water import is_full
 from narrows.quantities.names import Number
 from narrows.simulation import lane_loops
 from narrows.simulation.controllers import WithoutMemory
-from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
@@ -186,17 +185,17 @@ class KernelRun:
         pushed: Pushed = "never"
         if PUSH_END in values:
             pushed = "until"
-        elif any(np.any(values[name]) for name in PUSHED):
+        elif any(np.any(values[name]) for name in INPUTS):
             pushed = "always"
         across: Across = "uniform" if choices.CURRENT_ACROSS in values else across_of(self.waterway)
         law = self.steering.law if self.steering else None
         return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
 
     def inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
-        rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
+        rest = {name: value for name, value in values.items() if name not in START and name not in INPUTS}
         positions = {one.name: values[one.name] for one in self.ship.actuators if one.name in values}
-        ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
-        ship |= {choices.AFTER(INPUTS[name]): values.get(choices.AFTER(name), 0.0) for name in PUSHED}
+        ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in INPUTS}}
+        ship |= {choices.AFTER(INPUTS[name]): values.get(choices.AFTER(name), 0.0) for name in INPUTS}
         channel = self.channel(ship)
         law = self.steering.parameters if self.steering else {}
         law = {name: values.get(name, value) for name, value in law.items()}
@@ -267,7 +266,9 @@ class ShipLanes:
         steering = steering_of(law, placed) if self.actuators else None
         self._run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
         # With an end of the push, forces are inputs of their own that each call may change.
-        self._forces = {**dict.fromkeys(PUSHED, np.zeros(lanes)), PUSH_END: np.inf} if pushed else dict(PUSHED)
+        self._forces = dict.fromkeys(INPUTS, np.zeros(lanes) if pushed else 0.0) | (
+            {PUSH_END: np.inf} if pushed else {}
+        )
         self.prepared = self._laid_out(1.0)
         kernel = self.prepared.kernel
         kept = [kernel.KEPT_NAMES.index(name) for name in self.actuators]

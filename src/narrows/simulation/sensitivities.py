@@ -19,7 +19,6 @@ from narrows.codegen.system import COMPLEX_STEP
 from narrows.model.model import Model
 from narrows.ship.checks import check_angles
 from narrows.simulation.initial_state import VoyageIntegrator, check_positions, initial_state
-from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, STEADY, finite_numbers, segments_of
 from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
@@ -145,7 +144,7 @@ class TangentIntegrator:
         ship = SimulatedShip(model, **options)
         steering = steering_of(rest.pop("controller", None), ship.actuators, single=False)
         waterway = rest.pop("waterway", None)
-        schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
+        schedules = {name: rest.pop(name, 0.0) for name in INPUTS}
         check_positions({name: rest[name] for name in rest if name not in {*START, *STEADY}}, ship)
         numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}
         check_angles(numbers)
@@ -186,7 +185,7 @@ class TangentIntegrator:
             **{actuator.name: self._position(actuator.name) for actuator in self.ship.actuators},
             **{name: float(value) for name, value in particulars.items() if value is not None},
             **self.ship.model.coefficients,
-            **{name: float(np.atleast_1d(np.asarray(self.schedules[name], float))[..., -1].mean()) for name in PUSHED},
+            **{name: float(np.atleast_1d(np.asarray(self.schedules[name], float))[..., -1].mean()) for name in INPUTS},
             **({"current": float(self.integrator.inputs["current"])} if self.integrator.choices.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
@@ -224,7 +223,7 @@ class TangentIntegrator:
                 parameters[f"sin_{actuator.name}"] = math.cos(angle) * self._unit(actuator.name)
         constants = self.integrator.system.constants_slopes(self._ship_values, parameters)
         law = {PARAMETER(name): self._unit(name) for name in self.by}
-        pushes = {INPUTS[name]: self._unit(name) for name in PUSHED}
+        pushes = {INPUTS[name]: self._unit(name) for name in INPUTS}
         moving = {**constants, **parameters, **law, **pushes}
         return {name: np.asarray(slope) for name, slope in moving.items() if np.any(slope)}
 
@@ -278,7 +277,7 @@ class TangentIntegrator:
         return partial(compiled_loops(loops).integrate, np.array(sizes))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
-        surge, sway, yaw = (self.schedules[name] for name in PUSHED)
+        surge, sway, yaw = (self.schedules[name] for name in INPUTS)
         pieces = segments_of(surge, sway, yaw, float(times[-1]) or 1.0)
         begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1
-        return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))
+        return np.array([pieces[i].forces for i in begun]).reshape(-1, len(INPUTS))

@@ -19,8 +19,9 @@ import numpy as np
 from narrows.base.results import BaseSummary
 from narrows.codegen.choices import CURRENT_ACROSS, stages_at
 from narrows.quantities.arithmetic import choice, clip
+from narrows.quantities.names import FORCES
 from narrows.simulation.controllers import ORDER_TOLERANCE, Named
-from narrows.simulation.inputs import INPUTS, START
+from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import CURRENT, PARAMETER, SimulatedShip, steering_of
@@ -213,7 +214,7 @@ class FutureLanes:
         run = KernelRun(ship, duration, step, steering=steering, waterway=waterway)
         many = {name: np.full(lanes, value) for name, value in ship.model.coefficients.items()}
         many |= {name: np.full(lanes, value) for name, value in steering.parameters.items()}
-        still = dict.fromkeys((*START, *INPUTS, CURRENT_ACROSS), 0.0)
+        still = dict.fromkeys((*START, *FORCES, CURRENT_ACROSS), 0.0)
         self._prepared = run.prepared({**still, "u": 1.0, **many}, lanes, workers=1)
         self._prepared.limits[0] = settings.CONTACT_TOLERANCE * ship.model.configuration.ship.beam
         self._constants = ship.system(waterway is not None, steering.law).constants
