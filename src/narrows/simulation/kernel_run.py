@@ -266,9 +266,8 @@ class ShipLanes:
         steering = steering_of(law, placed) if self.actuators else None
         self._run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
         # With an end of the push, forces are inputs of their own that each call may change.
-        self._forces = dict.fromkeys(INPUTS, np.zeros(lanes) if pushed else 0.0) | (
-            {PUSH_END: np.inf} if pushed else {}
-        )
+        self._forces: dict[str, Any] = dict.fromkeys(INPUTS, np.zeros(lanes) if pushed else 0.0)
+        self._forces |= {PUSH_END: np.inf} if pushed else {}
         self.prepared = self._laid_out(1.0)
         kernel = self.prepared.kernel
         kept = [kernel.KEPT_NAMES.index(name) for name in self.actuators]
