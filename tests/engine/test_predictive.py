@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -269,7 +270,7 @@ def test_what_it_cannot_do_is_one_sentence_with_a_remedy(monkeypatch: pytest.Mon
         PredictiveHelm(paper(), HOLD, SPEED)
     with pytest.raises(nw.InputError, match="holds this ship"):
         PredictiveHelm(ship(), 3.1, SPEED).begin()
-    monkeypatch.setattr(helm_module, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "daqp", None)
     with pytest.raises(nw.InputError, match=r"a predictive helm needs control.*pip install"):
         helm()
 

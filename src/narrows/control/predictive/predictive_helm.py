@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -202,8 +201,7 @@ class PredictiveHelm(BaseSummary):
             self.waterway.check_fits(ship)
         self._horizon()
         with needs("control", "a predictive helm"):
-            if find_spec("daqp") is None:
-                raise ImportError
+            import daqp  # noqa: F401
 
     def _horizon(self) -> Horizon:
         passing = self.model.configuration.ship.length / self.u
