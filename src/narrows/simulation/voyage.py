@@ -133,7 +133,8 @@ class Voyage(Tabulated):
         columns = {name: (getattr(self, name), *meanings[name]) for name in COLUMNS[1:]}
         columns |= {actuator.name: (column, actuator.unit, actuator.meaning) for actuator, column in self.moved.items()}
         if self.waterway is not None and self.waterway.origin is not None:
-            columns |= {name: (getattr(self.track(), name), *words) for name, words in ON_EARTH.items()}
+            track = vars(self.track())
+            columns |= {name: (track[name], *words) for name, words in ON_EARTH.items()}
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
         data = {name: ("t", column, {"units": u, "long_name": of}) for name, (column, u, of) in columns.items()}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
