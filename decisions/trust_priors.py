@@ -13,8 +13,7 @@ from pages import Rows, markdown, publish, records
 
 import narrows as nw
 from narrows.identification import systematic_effects as effects
-from narrows.identification.estimates import ForcePosterior
-from narrows.identification.resampling import without_rows
+from narrows.identification.estimates import ForcePosterior, without_rows
 
 HEADER = ("prior", "left-out motions", "left-out speeds")
 GROUPS = {

@@ -9,8 +9,8 @@ import pytest
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.identification import estimates
+from narrows.identification.estimates import DepthTest
 from narrows.identification.mixed_model import integrate
-from narrows.identification.resampling import DepthTest
 from narrows.model.additions import pooled
 from narrows.model.tables import table_named
 

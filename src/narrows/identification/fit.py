@@ -13,19 +13,20 @@ from narrows.base.results import BaseResult, Coefficients, Named, same_content
 from narrows.captive.columns import check_given
 from narrows.captive.read import Tests, as_tests
 from narrows.captive.tests import CaptiveTests
-from narrows.identification.estimates import CoefficientEstimates, estimates
-from narrows.identification.least_squares import Problem, Solution
-from narrows.identification.motions import DistinctMotions, distinct_motions
-from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
-from narrows.identification.resampling import (
+from narrows.identification.estimates import (
     Bootstrap,
+    CoefficientEstimates,
     DepthTest,
     Predictiveness,
     depth_tests,
+    estimates,
     influence,
     predictiveness,
     resampled,
 )
+from narrows.identification.least_squares import Problem, Solution
+from narrows.identification.motions import DistinctMotions, distinct_motions
+from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.identification.shapley import KINDS, Kind, shares
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
@@ -235,7 +236,7 @@ class Fit(BaseResult):
         alone = "These tests are one motion: none can be left out, and no left-out error is known."
         shared = "Terms that do not depend on the depth have one coefficient for all conditions of these tests."
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
-        rudder = unmodelled_rudder(self.tests, self.normal_equations, self.terms)
+        rudder = unmodelled_rudder(self.normal_equations, self.terms)
         notes = (
             self.motions.sentence,
             alone * (len(self.motions) < 2),

@@ -104,7 +104,7 @@ def identify(
     if isinstance(tests, CaptiveTests):
         tests = with_accelerations(tests, accelerations)
     equations, data_range = accumulate(tests, terms, PIECES, balance)
-    rudder = unmodelled_rudder(tests, equations, terms)
+    rudder = unmodelled_rudder(equations, terms)
     if rudder and "rudder" not in pass_over:
         raise InputError(f"{rudder}, or fit all the same (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:

@@ -10,7 +10,6 @@ from scipy import special
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
-from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import bounded_problem, free_parameters
 from narrows.identification.mixed_model import MixedModel
@@ -46,7 +45,7 @@ class ExpectedErrors:
     def parts(self, equations: NormalEquations, motions: DistinctMotions, terms: TermTable) -> Iterator[Part]:
         """Set up the mixed model of the forces that share coefficients or errors."""
         problem, rows_apart = bounded_problem(equations, terms), max(1.0, 2 * self.correlation_time * RATE)
-        for forces in joint_forces(problem):
+        for forces in problem.joint_forces:
             noise = rows_apart * np.array([self.noise[force] ** 2 for force in forces])
             rows = ForceRows(equations, motions, problem, forces, noise)
             model, _, unit = assemble(rows, self.runs, self.configuration)

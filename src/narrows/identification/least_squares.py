@@ -36,6 +36,15 @@ class Problem:
     def upper(self) -> np.ndarray:
         return np.asarray(self.bounds[:, 1] * self.scale)
 
+    @property
+    def joint_forces(self) -> list[tuple[str, ...]]:
+        """Forces that share coefficients, and Y and N, which share errors of the motion."""
+        slots = {force: {self.slot[term.name] for term in part} for force, part in self.terms.forces.items() if part}
+        lateral = tuple(force for force in slots if force != "X")
+        shared = slots.get("X", set()) & {slot for force in lateral for slot in slots[force]}
+        groups = [tuple(slots)] if shared else [("X",) if "X" in slots else (), lateral]
+        return [group for group in groups if group]
+
     def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble H (..., p, p) and g (..., p) from sums of products (..., m, m)."""
         size = len(self.scale)

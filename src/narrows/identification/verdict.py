@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from narrows.base.results import Aliased, equal_to, interval, with_error
-from narrows.captive.read import Tests
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.least_squares import RANK_TOLERANCE
@@ -342,16 +341,13 @@ def _cause(value: float, expected: float, force: str, small: bool) -> str:
     return f"has the ship's own inertia been taken off {force} already, or is the ship file of a larger model?"
 
 
-def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
+def unmodelled_rudder(equations: NormalEquations, terms: TermTable) -> str:
     """Return a warning, with remedy, of a moving rudder without a rudder term; empty if there is none."""
-    if any(actuator.name == "rudder" for actuator in terms.actuators):
+    if "rudder" not in equations.moved or any(actuator.name == "rudder" for actuator in terms.actuators):
         return ""
-    if isinstance(tests, CaptiveTests):
-        angle = float(np.abs(tests.columns.get("rudder", np.zeros(1))).max())
-    else:  # By the sums, as of a sine about its mean
-        rows, total, squares = equations.moved.get("rudder", np.eye(1, 3)).T
-        mean = total / rows
-        angle = float((np.abs(mean) + np.sqrt(2 * np.maximum(squares / rows - mean**2, 0.0))).max())
+    rows, total, squares = equations.moved["rudder"].T
+    mean = total / rows  # By the sums of each stretch, as of a sine about its mean
+    angle = float((np.abs(mean) + np.sqrt(2 * np.maximum(squares / rows - mean**2, 0.0))).max())
     if angle < math.radians(1):
         return ""
     return (
