@@ -5,7 +5,6 @@ LONGEST_CELL = 60  # characters of a cell in a sentence
 LARGEST = 1e20  # a larger number marks a missing one (netCDF fills with 9.97e36) and spoils every sum
 SHEET_ROWS = 400  # rows of a sheet that are searched for its header
 # Text
-BLOCK = 1 << 22  # bytes per block
 FULL_SHARE = 0.5  # [1] least share of filled cells in a row of the table; fewer: text above it
 UNIT_SHARE = 0.6  # [1] least share of cells under a header that read as units
 DIALECT_BYTES = 1 << 18  # bytes for finding encoding, separator, decimals and header

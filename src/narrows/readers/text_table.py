@@ -6,8 +6,8 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from io import StringIO
-from itertools import islice, zip_longest
+from io import BytesIO
+from itertools import compress, islice, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,11 +17,10 @@ import pandas as pd
 from narrows.base.errors import InputError, shown
 from narrows.base.progress import opened
 from narrows.quantities.dimensions import is_unit
-from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
+from narrows.readers.settings import DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
 
 FIRST_ROW = 2  # Row number below a header in an editor: the index of a frame counts from there
-# Start of a comment line or an empty line.
-BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
+SKIPPED = rb"[ \t]*[#%\r\n]"  # Begin of a comment, or an empty line
 
 
 class Head(NamedTuple):
@@ -38,16 +37,23 @@ class Dialect(NamedTuple):
 
 
 def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
-    """Yield a table by so many rows, or as one."""
-    if _is_broken(path, dialect):
-        yield from _from_lines(path, dialect, rows)
-        return
-    first = dialect.head.first - FIRST_ROW
-    options = {"skiprows": dialect.head.first - 1, "chunksize": rows, "iterator": True, **_options(dialect)}
-    with opened(path) as file, pd.read_csv(file, **options) as chunks:
-        for frame in chunks:
-            yield _finished(frame, dialect, first)
-            first += len(frame)
+    """Yield a table by so many lines, or as one, without comments and empty lines."""
+    first = dialect.head.first
+    with opened(path) as file:
+        if dialect.encoding == "utf-16":
+            dialect = dialect._replace(encoding="utf-8")
+            file = BytesIO(file.read().decode("utf-16", "backslashreplace").encode())
+        for _ in range(first - 1):
+            file.readline()
+        while text := file.read() if rows is None else b"".join(islice(file, rows)):
+            numbers = np.arange(first, first + text.count(b"\n") + (not text.endswith(b"\n")))
+            first += len(numbers)
+            if re.match(SKIPPED, text) or re.search(b"\n" + SKIPPED, text):
+                lines = text.split(b"\n")[: len(numbers)]
+                kept = [not re.match(SKIPPED, line + b"\n") for line in lines]
+                numbers, text = numbers[kept], b"\n".join(compress(lines, kept))
+            if text:
+                yield _finished(pd.read_csv(BytesIO(text), **_options(dialect)), dialect, numbers)
 
 
 def _options(dialect: Dialect) -> dict[str, Any]:
@@ -60,14 +66,15 @@ def _options(dialect: Dialect) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _finished(frame: pd.DataFrame, dialect: Dialect, first: int) -> pd.DataFrame:
+def _finished(frame: pd.DataFrame, dialect: Dialect, lines: np.ndarray) -> pd.DataFrame:
     """Number the rows by lines, and convert decimal commas in columns that also hold words, which pandas leaves."""
     if not isinstance(frame.index, pd.RangeIndex):  # pandas takes extra cells for row names
         raise InputError(
-            f"row {first + FIRST_ROW} has more cells than the header; give each column one "
+            f"row {lines[0]} has more cells than the header; give each column one "
             "header, and put words with spaces in quotes"
         )
-    frame.index = pd.RangeIndex(first, first + len(frame))
+    # If a cell in quotes spans lines, rows are counted from the first line.
+    frame.index = pd.Index((lines if len(frame) == len(lines) else lines[0] + np.arange(len(frame))) - FIRST_ROW)
     for header in frame.columns if dialect.decimal == "," else ():
         if not pd.api.types.is_numeric_dtype(frame[header]):
             cells = frame[header].astype(object)
@@ -75,37 +82,6 @@ def _finished(frame: pd.DataFrame, dialect: Dialect, first: int) -> pd.DataFrame
             numbers = pd.to_numeric(words.str.replace(",", "."), errors="coerce")
             frame[header] = cells.where(numbers.isna() | words.str.contains(".", regex=False), numbers)
     return frame
-
-
-def _is_broken(path: Path, dialect: Dialect) -> bool:
-    """Return whether comments or empty lines may stand among the rows, so that lines are checked one by one."""
-    if dialect.encoding == "utf-16":
-        return True
-    with path.open("rb") as file:
-        for _ in range(dialect.head.first - 2):
-            if file.readline().count(b'"') % 2:
-                return True
-        line = b""
-        while block := file.read(BLOCK):
-            text = line + block
-            if BROKEN.search(text):
-                return True
-            line = text[text.rfind(b"\n") :] if b"\n" in text else b""
-    return False
-
-
-def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
-    with path.open(encoding=dialect.encoding, errors="backslashreplace") as file:
-        parsed = (
-            (number, line) for number, line in enumerate(file, 1)
-            if number >= dialect.head.first and line.strip() and not line.lstrip().startswith(REMARKS)
-        )  # fmt: skip
-        while lines := list(islice(parsed, rows)):
-            options = _options(dialect) | {"encoding": None}
-            frame = _finished(pd.read_csv(StringIO("".join(line for _, line in lines)), **options), dialect, 0)
-            if len(frame) == len(lines):  # Otherwise a cell in quotes spans lines
-                frame.index = pd.Index(np.array([number for number, _ in lines]) - FIRST_ROW)
-            yield frame
 
 
 NUMBER = re.compile(r"[+-]?(?:(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?|nan|inf(?:inity)?)", re.IGNORECASE)
