@@ -10,9 +10,9 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.likelihood import (
-    Innovations,
     LinearRecord,
     bounded_step,
+    deviance,
     readings_for_one,
     score_and_information,
 )
@@ -70,11 +70,10 @@ def test_a_step_is_no_longer_than_2_deviations_and_ends_at_bounds() -> None:
 def test_costs_scores_and_information_of_two_innovations_by_hand() -> None:
     """-2 log of normal densities to a constant; of a variance s the slope is (e^2 / s - 1) / (2 s)."""
     e, s = np.array([2.0, -1.0]), np.array([4.0, 0.5])
-    assert Innovations(e, s).cost == pytest.approx(1.0 + 2.0 + math.log(2.0))
-    assert Innovations(e, -s).cost == math.inf
-    score, information = score_and_information(
-        e, s, np.array([[1.0, 0.0], [0.0, 2.0]]), np.array([[0.0, 3.0], [1.0, 0.0]])
-    )
+    assert deviance(np.array([e, s])) == pytest.approx(1.0 + 2.0 + math.log(2.0))
+    assert deviance(np.array([e, -s])) == math.inf
+    slopes = np.array([[[1.0, 0.0], [0.0, 3.0]], [[0.0, 2.0], [1.0, 0.0]]])
+    score, information = score_and_information(e, s, slopes)
     np.testing.assert_allclose(score, [-2.0 / 4.0 + 3.0 * (2.0 - 1.0), 2.0 * 2.0 + 0.0])
     np.testing.assert_allclose(information, [[0.25 + 0.5 * 9 / 0.25, 0.0], [0.0, 4.0 / 0.5 + 0.5 / 16]])
 

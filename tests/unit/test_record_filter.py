@@ -126,7 +126,7 @@ def test_the_score_is_the_slope_of_the_likelihood() -> None:
     }
     assert sum(far for far, _ in found.outliers.values()) == (path.weights < 1).sum()
     innovations = likelihood.linear(unknowns, path).filtered(log.problem.model_at(unknowns), path.weights)[0]
-    normal = np.clip(innovations.values / np.sqrt(innovations.variances), -4.0, 4.0)
+    normal = np.clip(innovations[0] / np.sqrt(innovations[1]), -4.0, 4.0)
     parts = grid.by_signal(normal).values()
     assert found.autocovariance[0] == pytest.approx(float(normal @ normal))
     assert found.autocovariance[3] == pytest.approx(sum(float(part[3:] @ part[:-3]) for part in parts))

@@ -180,10 +180,8 @@ class FaultTests:
         alike = list(dict.fromkeys(fault[:2] for fault, _ in faults if fault.kind != "step")) if len(done) > 1 else []
         size, first, parts, scores = count + len(faults) + len(alike), count, [], []
         for _, own, score, information in done:
-            placed = np.zeros((count + len(own), size))
-            placed[:count, :count] = np.eye(count)
+            placed = np.eye(size)[[*range(count), *range(first, first + len(own))]]
             for row, fault in enumerate(own, start=count):
-                placed[row, first + row - count] = 1.0
                 if fault[:2] in alike:
                     placed[row, count + len(faults) + alike.index(fault[:2])] = 1.0
             parts.append(placed.T @ information @ placed)
@@ -250,16 +248,14 @@ def _of_record(
     path = path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
     if path is None:
         return grid.record.name, [], record.score, record.information
-    (e, s), by_value, by_variance = likelihood.slopes(found.unknowns, path)
-    model, values, variances = problem.model_at(found.unknowns), [*by_value], [*by_variance]
+    at, by_unknowns = likelihood.slopes(found.unknowns, path)
+    (e, s), model, slopes = at, problem.model_at(found.unknowns), [*by_unknowns]
     faults = list(faults_of(grid, grid.by_signal(e / np.sqrt(s))))
     for fault in faults:
         size = DIFFERENCE * fault.scale
         about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path)
-        there, _ = about.filtered(model, path.weights)
-        values.append((there.values - e) / size)
-        variances.append((there.variances - s) / size)
-    score, information = score_and_information(e, s, np.array(values), np.array(variances))
+        slopes.append((about.filtered(model, path.weights)[0] - at) / size)
+    score, information = score_and_information(e, s, np.array(slopes))
     return grid.record.name, faults, score / problem.correlated, information / problem.correlated
 
 

@@ -36,16 +36,12 @@ class RecordPath(NamedTuple):
     weights: np.ndarray  # (N,) Weights of readings there
 
 
-class Innovations(NamedTuple):
-    values: np.ndarray  # (N,)
-    variances: np.ndarray  # (N,)
-
-    @property
-    def cost(self) -> float:
-        """Minus twice the logarithm of the likelihood, to a constant."""
-        with np.errstate(all="ignore"):
-            cost = float(np.sum(self.values**2 / self.variances + np.log(self.variances)))
-        return cost if np.isfinite(cost) else np.inf
+@np.errstate(all="ignore")
+def deviance(innovations: np.ndarray) -> float:
+    """Return minus twice the logarithm of the likelihood, to a constant, of innovations and their variances (2, N)."""
+    e, s = innovations
+    cost = float(np.sum(e**2 / s + np.log(s)))
+    return cost if np.isfinite(cost) else np.inf
 
 
 @dataclass(frozen=True)
@@ -70,14 +66,14 @@ class LinearRecord:
 
     def filtered(
         self, model: StochasticModel, weights: np.ndarray, smooth: bool = False
-    ) -> tuple[Innovations, np.ndarray]:
-        """Filter the readings; smooth the states off the reference and the processes too, (n, 6 + m), if asked."""
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return innovations with their variances (2, N), and if asked smoothed states and processes, (n, 6 + m)."""
         (count, size), step, scale = self.rows.shape, self.grid.step, self.problem.scales
         room, first, loops = len(self.slopes) * smooth, self.grid.first_readings, compiled_loops(kalman_loops)
         kept, stationary = model.kept(step), model.covariance()
         regular, started = (self.problem.walk * WALKS * scale) ** 2, (START * scale) ** 2
         regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * (self.problem.motion.integrator.ship.surge == "held")
-        found, gains = Innovations(np.empty(count), np.empty(count)), np.empty((count, size))
+        found, gains = np.empty((2, count)), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
         start = np.diag(np.append(started, np.zeros(size - 6)))
         start[6:, 6:] = stationary
@@ -161,35 +157,33 @@ class RecordLikelihood:
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
         model = self.problem.model_at(unknowns)
-        return self.linear(unknowns, path).filtered(model, path.weights)[0].cost / self.problem.correlated
+        return deviance(self.linear(unknowns, path).filtered(model, path.weights)[0]) / self.problem.correlated
 
     @np.errstate(all="ignore")
-    def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[Innovations, np.ndarray, np.ndarray]:
-        """Return innovations, and the slopes (P, N) of them and of their variances by differences, about a path."""
+    def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[np.ndarray, np.ndarray]:
+        """Return innovations with their variances (2, N), and their slopes (P, 2, N) by differences, about a path."""
         problem = self.problem
         about = self.linear(unknowns, path)
         at = about.filtered(problem.model_at(unknowns), path.weights)[0]
-        by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
+        slopes = np.zeros((len(unknowns), *at.shape))
         for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path) if place < problem.count else about
-            found = there.filtered(problem.model_at(moved), path.weights)[0]
-            by_value[place] = (found.values - at.values) / DIFFERENCE
-            by_variance[place] = (found.variances - at.variances) / DIFFERENCE
-        return at, by_value, by_variance
+            slopes[place] = (there.filtered(problem.model_at(moved), path.weights)[0] - at) / DIFFERENCE
+        return at, slopes
 
     @np.errstate(all="ignore")
     def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
         problem = self.problem
-        at, by_value, by_variance = self.slopes(unknowns, path)
-        e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
-        score, information = score_and_information(e, s, by_value, by_variance)
+        at, slopes = self.slopes(unknowns, path)
+        e, s = at[0], np.abs(at[1])  # The cost is infinite where the filter diverges.
+        score, information = score_and_information(e, s, slopes)
         share, met, autocovariance = 1 / problem.correlated, np.abs(path.states[:, [1, 3]]), np.zeros(LAGS)
         for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -4.0, 4.0)).values():
             for lag in range(min(LAGS, len(part))):
                 autocovariance[lag] += part[lag:] @ part[: len(part) - lag]
         return RecordScore(
-            share * score, share * information, share * at.cost, autocovariance,
+            share * score, share * information, share * deviance(at), autocovariance,
             np.stack([met.min(axis=0), met.max(axis=0)]),
             {name: (int((own < 1.0).sum()), len(own)) for name, own in self.grid.by_signal(path.weights).items()}, path,
         )  # fmt: skip
@@ -202,9 +196,9 @@ def readings_for_one(autocovariance: np.ndarray) -> float:
     return 1.0 + 2.0 * float(correlation[1 : below[0] if below.size else None].sum())
 
 
-def score_and_information(
-    e: np.ndarray, s: np.ndarray, by_value: np.ndarray, by_variance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:  # (P,) Slope of the log-likelihood, (P, P)
+def score_and_information(e: np.ndarray, s: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the slope of the log-likelihood (P,) and the information (P, P) by slopes (P, 2, N)."""
+    by_value, by_variance = slopes[:, 0], slopes[:, 1]
     score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
     return score, (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
 
