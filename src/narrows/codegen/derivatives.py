@@ -5,31 +5,15 @@ Each line depends on few earlier ones, so its derivatives stay short; those of w
 
 from collections.abc import Callable, Mapping, Sequence
 
-import sympy
-from sympy import Integer, sympify
+from sympy import Integer, sign, sympify
 
 from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
-from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines, symbols_of
+from narrows.codegen.lines import Assignment, Lines, asked_by, positive, real, straight_lines, symbols_of
 from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
 from narrows.codegen.step import Rates, step_of
 from narrows.quantities.names import FORCES
-
-positive = FUNCTIONS["positive"]
-
-# Partial derivatives of functions that are not arithmetic, by each argument.
-SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
-    "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
-    "maximum": lambda a, b: (positive(a - b), 1 - positive(a - b)),
-    "choice": lambda test, over, under: (Integer(0), positive(test), 1 - positive(test)),
-    "sine": lambda a: (FUNCTIONS["cosine"](a),),
-    "cosine": lambda a: (-FUNCTIONS["sine"](a),),
-    "angle": lambda c, s: (-s / (c * c + s * s), c / (c * c + s * s)),
-    "whole": lambda number: (Integer(0),),
-    "entry": lambda column, cell: (Integer(0), Integer(0)),
-    "positive": lambda test: (Integer(0),),
-}
 
 
 def with_tangents(
@@ -40,7 +24,7 @@ def with_tangents(
 
     def through(value: Expr, name: str) -> list[Expr]:
         moving = [s for s in sorted(symbols_of(value), key=str) if s in slopes]
-        partial = {s: out.put(f"{name}_by_{s}", slope(value, s)) for s in moving}
+        partial = {s: out.put(f"{name}_by_{s}", value.diff(s).replace(sign, _sign)) for s in moving}
         totals = [sum((d * slopes[s][k] for s, d in partial.items()), Integer(0)) for k in range(directions)]
         return [out.put(f"{name}_d{k}", total) for k, total in enumerate(totals)]
 
@@ -60,29 +44,8 @@ def with_tangents(
     return out, of
 
 
-def slope(value: Expr, by: Expr) -> Expr:
-    if value == by or by not in symbols_of(value):
-        return Integer(value == by)
-    parts = [slope(argument, by) for argument in value.args]
-    if value.is_Add:
-        return sympy.Add(*parts)
-    if value.is_Mul:
-        others = [(*value.args[:i], *value.args[i + 1 :]) for i in range(len(parts))]
-        return sympy.Add(*(sympy.Mul(part, *rest) for part, rest in zip(parts, others, strict=True) if part != 0))
-    if value.is_Pow:
-        (base, power), (base_slope, power_slope) = value.args, parts
-        by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else Integer(0)
-        return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
-    if isinstance(value, sympy.Abs):
-        return (positive(value.args[0]) - positive(-value.args[0])) * parts[0]  # the sign
-    if isinstance(value, sympy.exp):
-        return value * parts[0]
-    if isinstance(value, sympy.log):
-        return parts[0] / value.args[0]
-    name = str(value.func)
-    if name not in SLOPES:
-        raise TypeError(f"no slope of {name}")
-    return sympy.Add(*(outer * part for outer, part in zip(SLOPES[name](*value.args), parts, strict=True)))
+def _sign(value: Expr) -> Expr:
+    return positive(value) - positive(-value)
 
 
 # Exact derivatives of the motion from the same trace: by state, by control, by coefficient.

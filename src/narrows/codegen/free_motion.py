@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 from narrows.base.errors import InputError
 from narrows.codegen.trace import Trace
-from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
@@ -71,16 +70,15 @@ def symbol(name: str) -> Expr:
 @lru_cache(maxsize=32)
 def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
-    import sympy
 
-    from narrows.codegen.lines import Abs
+    from narrows.codegen.lines import FUNCTIONS, Abs
 
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(trace)
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
     symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
-    functions = {name: sympy.Function(name, real=True) for name in COLUMNS} | {"abs": Abs}
+    functions = {**FUNCTIONS, "abs": Abs}
     expressions = trace.replay(symbols, exact_number, functions)
     regressors = {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
     mass = _mass(regressors, names, components)

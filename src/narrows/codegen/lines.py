@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache, reduce
 from typing import Any
 
 import sympy
+from sympy import Integer
 
 Expr = Any
 Assignment = tuple[Expr, Expr]
@@ -17,11 +18,30 @@ Assignment = tuple[Expr, Expr]
 # A place in the program where a loop may be split.
 CUT = None
 
-FUNCTION_NAMES = ("minimum", "maximum", "choice", "angle", "sine", "cosine", "whole", "entry", "positive")
+# Functions that printers know, with their partial derivatives by each argument. ``whole`` truncates to an integer,
+# ``entry(column, cell)`` reads the table of a waterway, ``positive`` is 1 for numbers above 0, else 0.
+SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
+    "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
+    "maximum": lambda a, b: (positive(a - b), 1 - positive(a - b)),
+    "choice": lambda test, over, under: (Integer(0), positive(test), 1 - positive(test)),
+    "sine": lambda a: (FUNCTIONS["cosine"](a),),
+    "cosine": lambda a: (-FUNCTIONS["sine"](a),),
+    "angle": lambda c, s: (-s / (c * c + s * s), c / (c * c + s * s)),
+    "whole": lambda number: (Integer(0),),
+    "entry": lambda column, cell: (Integer(0), Integer(0)),
+    "positive": lambda test: (Integer(0),),
+}
 
-# Functions that printers know. ``whole`` truncates to an integer, ``entry(column, cell)`` reads the table of a
-# waterway, ``positive`` is 1 for numbers above 0, else 0.
-FUNCTIONS: dict[str, Expr] = {name: sympy.Function(name, real=True) for name in FUNCTION_NAMES}
+
+class _Function(sympy.Function):  # type: ignore[misc]
+    is_real = True
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        return SLOPES[type(self).__name__](*self.args)[argindex - 1]
+
+
+FUNCTIONS: dict[str, Expr] = {name: type(name, (_Function,), {}) for name in SLOPES}
+positive = FUNCTIONS["positive"]
 
 
 @lru_cache(maxsize=4096)
