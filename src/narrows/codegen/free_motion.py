@@ -71,15 +71,14 @@ def symbol(name: str) -> Expr:
 def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
 
-    from narrows.codegen.lines import FUNCTIONS, Abs
+    from narrows.codegen.lines import FUNCTIONS
 
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(trace)
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
     symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
-    functions = {**FUNCTIONS, "abs": Abs}
-    expressions = trace.replay(symbols, exact_number, functions)
+    expressions = trace.replay(symbols, exact_number, FUNCTIONS)
     regressors = {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
     mass = _mass(regressors, names, components)
     columns = _columns(regressors, names, components, coriolis)
