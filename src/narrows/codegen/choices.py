@@ -12,8 +12,7 @@ from narrows.codegen.trace import Trace
 COLUMNS = (
     "starboard", "port", "depth", "curvature", "flow", "near_starboard", "near_port", "keel_starboard", "keel_port",
 )  # fmt: skip
-# Numbers per cell: for each column the value at its start and the rise to the next.
-ROW = 2 * len(COLUMNS)
+ROW = 2 * len(COLUMNS)  # Numbers per cell: for each column the value at its start and the rise to the next
 # Further columns where the current is not along the line alone: its speed across, and the rise of that along it to
 # starboard.
 FIELD = ("across", "shear")
@@ -41,8 +40,7 @@ BOOK = ("step_length", "share", "left", "flag", "clearance", "side", "clearance_
 LANES, DIRECTIONS = 64, 32
 CACHE_LINE = 8  # numbers: 64 bytes
 
-# An external force from ``push_end`` on, by its name before it.
-AFTER = "{}_after".format
+AFTER = "{}_after".format  # An external force from ``push_end`` on, by its name before it
 
 Pushed = Literal["never", "always", "until"]
 CURRENT_ACROSS = "current_across"
@@ -87,8 +85,7 @@ class Choices:
     contact: str | int = "corners"  # ``corners``, ``midship``, ``none``, or the number of points of an outline
     waterway: bool = False  # True if the section of the water changes
     law: Law | None = None  # Control law; without one the actuators stay where they are
-    # External forces: none, constant, or changing ones that end at ``push_end`` [s]
-    pushed: Pushed = "never"
+    pushed: Pushed = "never"  # External forces: none, constant, or changing ones that end at ``push_end`` [s]
     bottom: bool = False  # True if bottom contact or a choked section ends a voyage
     across: Across = "none"
 

@@ -17,8 +17,7 @@ from narrows.codegen.trace import Trace
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
-# A SymPy expression.
-Expr = Any
+Expr = Any  # A SymPy expression
 
 Surge = Literal["held", "free"]
 
@@ -30,8 +29,7 @@ ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
 # External force [N, N, N m], by the component that it is added to.
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 
-# Added mass in surge [kg], an argument if the table's own was not identifiable.
-SURGE_INERTIA = "surge_inertia"
+SURGE_INERTIA = "surge_inertia"  # Added mass in surge [kg], an argument if the table's own was not identifiable
 
 # Reserved names, which no coefficient may have: quantities, actuators with their limits, forces, walls.
 RESERVED = {

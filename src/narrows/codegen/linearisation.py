@@ -12,8 +12,7 @@ from narrows.codegen.choices import Actuated
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.quantities.names import FORCES, Number
 
-# State of a linearised model; the heading is one angle [rad] here.
-LINEARISED = ("x", "y", "psi", "u", "v", "r")
+LINEARISED = ("x", "y", "psi", "u", "v", "r")  # State of a linearised model; the heading is one angle [rad] here
 
 
 def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:

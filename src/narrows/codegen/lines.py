@@ -15,8 +15,7 @@ from sympy import Integer
 Expr = Any
 Assignment = tuple[Expr, Expr]
 
-# A place in the program where a loop may be split.
-CUT = None
+CUT = None  # A place in the program where a loop may be split
 
 # Functions that printers know, with their partial derivatives by each argument. ``whole`` truncates to an integer,
 # ``entry(column, cell)`` reads the table of a waterway, ``positive`` is 1 for numbers above 0, else 0.

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 
 # Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
-# Far below the rounding of any number, so that a derivative by it has no error of its own.
-COMPLEX_STEP = 1e-30
+COMPLEX_STEP = 1e-30  # Far below the rounding of any number, so that a derivative by it has no error of its own
 # Functions whose complex value is not the one that a complex step needs.
 OF_COMPLEX: dict[str, Callable[..., Any]] = {
     "abs": lambda value: value * np.sign(np.real(value)),

@@ -35,8 +35,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
-# Name in the lines of a caller's order to an actuator with a gear.
-ORDERED = "ordered_{}".format
+ORDERED = "ordered_{}".format  # Name in the lines of a caller's order to an actuator with a gear
 # Inputs of the lines from the table of a waterway.
 PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
 HEADING = "heading, positive clockwise seen from above"
@@ -58,10 +57,8 @@ GEAR = {
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
 DELAYED = "order on its way to the {}: begin where the actuator is"
-# Particulars that relate a section to the ship.
-PARTICULARS = ("length", "beam", "draft", "block_coefficient")
-# Constants that the rule of a voyage needs, whatever the hull.
-ALWAYS = ("hull_length", "least_cos", "near_bank")
+PARTICULARS = ("length", "beam", "draft", "block_coefficient")  # Particulars that relate a section to the ship
+ALWAYS = ("hull_length", "least_cos", "near_bank")  # Constants that the rule of a voyage needs, whatever the hull
 
 
 @dataclass(frozen=True)

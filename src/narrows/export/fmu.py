@@ -227,17 +227,14 @@ def unit_powers(unit: str) -> Mapping[str, int]:
     return {base: power for base, power in powers.items() if power}
 
 
-# All files in an FMU have one time, so that writing it again gives the same file.
-SAME_TIME = (2000, 1, 1, 0, 0, 0)
+SAME_TIME = (2000, 1, 1, 0, 0, 0)  # All files in an FMU have one time, so that writing it again gives the same file
 # Sources of either standard that do not depend on the model.
 SOURCES = {
     2: ("calls.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("calls.h", "fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
 }
-# Letters on a line of C.
-LETTERS_A_LINE = 100
-# Steps between the outputs of a default experiment.
-OUTPUT_STEPS = 10
+LETTERS_A_LINE = 100  # Letters on a line of C
+OUTPUT_STEPS = 10  # Steps between the outputs of a default experiment
 
 
 def fmu_file(

@@ -113,8 +113,7 @@ ADDED: dict[str, Callable[[TermTable], TermTable]] = {
     "helm": HELM, ASYMMETRY.word: asymmetric, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
 }  # fmt: skip
 
-# Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
-AT = "@"
+AT = "@"  # Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``
 
 
 def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-# Bit of ``beyond`` where the hull touches a bank.
-CONTACT = 64
+CONTACT = 64  # Bit of ``beyond`` where the hull touches a bank
 # Largest heading along the banks [rad]: an unknown range of headings ends here. A degree passed as a radian exceeds it.
 ALONG = math.pi / 4
 

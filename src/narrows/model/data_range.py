@@ -11,8 +11,7 @@ from narrows.base.results import Aliased
 from narrows.quantities.names import Number
 
 Range = tuple[float, float]
-# Tolerance relative to an end of a range [1]: the accuracy of a depth or a speed.
-SLACK = 0.01
+SLACK = 0.01  # Tolerance relative to an end of a range [1]: the accuracy of a depth or a speed
 
 
 class Measure(NamedTuple):

@@ -17,8 +17,7 @@ from narrows.ship.particulars import Configuration
 
 # h/T below which the corrections contradict measurements: the drift force by half, for the KCS at 1.2.
 SHALLOWEST = 1.5
-# A depth [m] at which every factor is 1.
-DEEP = 1e9
+DEEP = 1e9  # A depth [m] at which every factor is 1
 
 
 class DepthCorrected(DerivedModel):

@@ -236,8 +236,7 @@ CROSSFLOW = SPEED.with_terms(
     ],
 )
 
-# The terms of ``crossflow`` and a rudder.
-STEERED = HELM(CROSSFLOW, "steered")
+STEERED = HELM(CROSSFLOW, "steered")  # The terms of ``crossflow`` and a rudder
 
 # The tables of a hull without a rudder, with the paper's bank term.
 BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
@@ -311,8 +310,7 @@ MMG = TermTable(
 
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
-# Other names for some of them.
-SHORT = {"tapered": "paper+tapered"}
+SHORT = {"tapered": "paper+tapered"}  # Other names for some of them
 
 
 @cache
@@ -345,5 +343,4 @@ def _depths(written: str, name: str) -> list[float]:
         raise InputError(f"the terms {name!r} give no depths in metres behind {AT}; write paper{AT}0.25,0.41") from None
 
 
-# The paper's terms with its boundary-layer taper on the bank.
-TAPERED = table_named("paper+tapered")
+TAPERED = table_named("paper+tapered")  # The paper's terms with its boundary-layer taper on the bank

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
 Bound = tuple[float, float]
 FREE: Bound = (float("-inf"), float("inf"))
 NONNEGATIVE: Bound = (0.0, float("inf"))
-# Quantities that describe the banks and the water depth.
-BANKS, DEPTH = "width", "depth"
+BANKS, DEPTH = "width", "depth"  # Quantities that describe the banks and the water depth
 
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
 
@@ -38,8 +37,7 @@ INSTEAD = {
     "pow power square": "x ** 2 for a power",
 }
 
-# First letters of the paper's coefficients, by force.
-LETTERS = ("a", "b", "c")
+LETTERS = ("a", "b", "c")  # First letters of the paper's coefficients, by force
 
 
 class TermKind(StrEnum):

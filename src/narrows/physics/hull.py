@@ -6,8 +6,7 @@ from functools import cached_property
 
 from narrows.quantities.names import Number
 
-# A speed [m/s] that counts as zero, without a sense.
-STANDSTILL = 1e-12
+STANDSTILL = 1e-12  # A speed [m/s] that counts as zero, without a sense
 
 
 def speed(u: Number, v: Number) -> Number:
@@ -83,8 +82,7 @@ class Product:
     Fossen (2011), section 6.5, for lift and crossflow drag.
     """
 
-    # The paper once prints + for -c_rdot rdot; its regression matrix and the physics have -.
-    factors: str
+    factors: str  # The paper once prints + for -c_rdot rdot; its regression matrix and the physics have -
 
     @property
     def name(self) -> str:

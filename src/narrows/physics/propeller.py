@@ -11,8 +11,7 @@ from narrows.quantities.names import Number
 # advance -u/(n D) between the two ADVANCES and beyond them.
 WITHOUT_ADVANCE, BETWEEN, BEYOND = -5.58e-4, -7.99e-3, 5.87e-3
 ADVANCES = 0.06, 0.35
-# An angle [rad] that counts as zero, without a side.
-NOTHING = 1e-9
+NOTHING = 1e-9  # An angle [rad] that counts as zero, without a side
 
 
 @dataclass(frozen=True)

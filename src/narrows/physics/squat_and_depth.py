@@ -3,12 +3,9 @@
 from narrows.quantities.arithmetic import angle, choice, clip, maximum, sine
 from narrows.quantities.names import GRAVITY, KNOT, Number
 
-# Midship section over beam times draft, if unknown [1].
-MIDSHIP_SECTION = 0.98
-# Block coefficient [1] of a ship without trim: a fuller one sinks most at the bow.
-TRIMLESS = 0.7
-# Speed without limit, above that of any ship [m/s].
-BOUNDLESS = 1000.0
+MIDSHIP_SECTION = 0.98  # Midship section over beam times draft, if unknown [1]
+TRIMLESS = 0.7  # Block coefficient [1] of a ship without trim: a fuller one sinks most at the bow
+BOUNDLESS = 1000.0  # Speed without limit, above that of any ship [m/s]
 
 
 def depth_froude(u: Number, depth: Number) -> Number:

@@ -14,15 +14,13 @@ from sympy.printing.pycode import PythonCodePrinter
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Assignment, Constants, straight_lines
 
-# Highest power that is written as a product, and digits that exceed those of a double.
-LONGEST_PRODUCT, DIGITS = 4, 20
+LONGEST_PRODUCT, DIGITS = 4, 20  # Highest power that is written as a product, and digits that exceed those of a double
 
 
 class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     """SymPy's printer of Python, with short powers as products and the function names of ``lines``."""
 
-    # Name of the table of a waterway.
-    TABLE = "table"
+    TABLE = "table"  # Name of the table of a waterway
 
     def __init__(self) -> None:
         super().__init__({"fully_qualified_modules": False})

@@ -146,8 +146,7 @@ def _variable(name: str) -> str:
     return f"module_{name.removesuffix('.js')}"
 
 
-# Distance shown [ship lengths].
-LENGTHS = 7.0
+LENGTHS = 7.0  # Distance shown [ship lengths]
 # Constants of fleet.c: ships of a task, ships with stored paths, points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
 UNSETTLED = "The tests of this ship do not settle how strongly the banks pull and turn it."

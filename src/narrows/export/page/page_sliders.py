@@ -14,8 +14,7 @@ from narrows.model.model import SETTLED, Model
 
 VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "Uncertainty"
 PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
-# Relative standard deviation of a coefficient if the model has no covariance.
-ASSUMED = 0.05
+ASSUMED = 0.05  # Relative standard deviation of a coefficient if the model has no covariance
 # Range of a coefficient's slider [standard deviations]; canal widths: least [beams], most relative to the model's own.
 WIDE, NARROWEST, WIDEST = 3.0, 1.6, 2.0
 # Standard deviation of the starting offset [ship lengths] and of the heading [degrees].
