@@ -8,7 +8,7 @@ import sympy
 
 from engine_models import ACTUATED, bent, function_of
 from narrows.codegen.choices import ROW
-from narrows.codegen.derivatives import SLOPES, slope, with_tangents
+from narrows.codegen.derivatives import slope, with_tangents
 from narrows.codegen.lines import FUNCTIONS, Lines, real
 from narrows.codegen.printers.python import function_text
 from narrows.codegen.step import step_of
@@ -52,16 +52,6 @@ def difference(expression: sympy.Expr, at: np.ndarray, place: int, width: float 
     return (value_of(expression, at + step) - value_of(expression, at - step)) / (2 * width)
 
 
-@pytest.mark.parametrize("name", ARITHMETIC)
-def test_slopes_of_arithmetic_are_sympys(name: str) -> None:
-    """In numbers: no two ways of writing one formula need look alike."""
-    for by in (A, B, C):
-        found, expected = slope(ARITHMETIC[name], by), sympy.diff(ARITHMETIC[name], by)
-        for at in SAMPLES:
-            numbers = dict(zip((A, B, C), map(float, at), strict=True))
-            assert value_of(found, at) == pytest.approx(float(expected.subs(numbers)), rel=1e-12, abs=1e-12)
-
-
 @pytest.mark.parametrize("name", [*ARITHMETIC, *FUNCTIONS_OF_LINES])
 def test_slopes_are_differences(name: str) -> None:
     expression = (ARITHMETIC | FUNCTIONS_OF_LINES)[name]
@@ -69,15 +59,6 @@ def test_slopes_are_differences(name: str) -> None:
         found = slope(expression, by)
         for at in SAMPLES:
             assert value_of(found, at) == pytest.approx(difference(expression, at, place), rel=2e-7, abs=2e-8), (by, at)
-
-
-def test_every_function_of_lines_has_a_slope() -> None:
-    assert set(SLOPES) == set(FUNCTIONS)
-
-
-def test_a_function_without_a_slope_is_named() -> None:
-    with pytest.raises(TypeError, match="no slope of unheard"):
-        slope(sympy.Function("unheard")(A), A)
 
 
 def test_an_odd_function_is_smooth_where_it_changes_sign() -> None:

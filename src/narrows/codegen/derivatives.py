@@ -24,7 +24,7 @@ def with_tangents(
 
     def through(value: Expr, name: str) -> list[Expr]:
         moving = [s for s in sorted(symbols_of(value), key=str) if s in slopes]
-        partial = {s: out.put(f"{name}_by_{s}", value.diff(s).replace(sign, _sign)) for s in moving}
+        partial = {s: out.put(f"{name}_by_{s}", slope(value, s)) for s in moving}
         totals = [sum((d * slopes[s][k] for s, d in partial.items()), Integer(0)) for k in range(directions)]
         return [out.put(f"{name}_d{k}", total) for k, total in enumerate(totals)]
 
@@ -44,8 +44,8 @@ def with_tangents(
     return out, of
 
 
-def _sign(value: Expr) -> Expr:
-    return positive(value) - positive(-value)
+def slope(value: Expr, by: Expr) -> Expr:
+    return value.diff(by).replace(sign, lambda one: positive(one) - positive(-one))
 
 
 # Exact derivatives of the motion from the same trace: by state, by control, by coefficient.
