@@ -7,7 +7,6 @@ import os
 import platform
 import re
 import sys
-import tempfile
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import lru_cache
@@ -16,6 +15,9 @@ from importlib.util import find_spec
 from pathlib import Path
 from threading import RLock
 from types import ModuleType
+
+from narrows.base.errors import InputError
+from narrows.base.files import write_whole
 
 FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 
@@ -93,8 +95,11 @@ def _sealed(text: str) -> str:
 def _make_module(path: Path, text: str) -> ModuleType:
     text = _sealed(text)
     # Numba raises RuntimeError if it cannot store compiled code next to a file.
-    with suppress(OSError, RuntimeError):
-        return _execute(_write(path, text), text)
+    with suppress(OSError, RuntimeError, InputError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text)
+        os.utime(path, (SAME_TIME, SAME_TIME))
+        return _execute(path, text)
     return _execute(path, text.replace("cache=True", "cache=False"))
 
 
@@ -115,21 +120,6 @@ def _execute(path: Path, text: str) -> ModuleType:
 
         check_files(module)
     return module
-
-
-def _write(path: Path, text: str) -> Path:
-    """Write a temporary file, set its time, then rename it: no reader sees an incomplete file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.utime(temporary, (SAME_TIME, SAME_TIME))
-        os.replace(temporary, path)
-    except OSError:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-    return path
 
 
 # Header of a compiled copy of a module of Python loops.

@@ -315,11 +315,8 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
     ways |= {ALONG(name): "0.0" for name, where in places.items() if where == "0.0"}
     ways |= {ALONG(name): f"along_state[{number}]" for number, name in enumerate((*LINEARISED, *exported.gear))}
     known = rates_of(exported, language)
-    # In open water there is no clearance.
-    starts = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
-    for (name, start), program in zip(starts.items(), exported.continuous, strict=False):
-        targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        known[f"{name}_along"] = "\n    ".join(language.body(_along(exported, program), targets, places | ways))
+    changes = rates_of(exported, language, partial(_along, exported), ways)
+    known |= {f"{name}_along": body for name, body in changes.items()}
     names = [one.name for one in exported.parameters]
     where = {name: language.field("parameters", name) for name in names}
     where |= {ALONG(name): language.field("along_parameters", name) for name in names}

@@ -11,6 +11,7 @@ from inspect import getsource
 from io import BytesIO
 from pathlib import Path
 from textwrap import wrap
+from types import MappingProxyType
 from typing import Any
 
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
@@ -287,13 +288,16 @@ def simulink_text(exported: ExportedShip) -> str:
     )  # fmt: skip
 
 
-def rates_of(exported: ExportedShip, language: C) -> dict[str, str]:
-    """Return the bodies of the template ``evaluate.h.j2``: rates of the motion, then of the gear."""
-    places, start, bodies = places_in(exported, language), 0, {}
-    for name, program in zip(("motion", "gear"), exported.continuous, strict=False):
+def rates_of(
+    exported: ExportedShip, language: C, along: Callable[[Program], Program] = lambda program: program,
+    ways: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, str]:  # fmt: skip
+    """Return the bodies of the template ``evaluate.h.j2``: rates of motion and gear, clearances between banks."""
+    places, bodies = {**places_in(exported, language), **ways}, {}
+    starts = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
+    for (name, start), program in zip(starts.items(), exported.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        bodies[name] = "\n    ".join(language.body(program, targets, places))
-        start += len(targets)
+        bodies[name] = "\n    ".join(language.body(along(program), targets, places))
     return bodies
 
 

@@ -223,9 +223,13 @@ class Model(Configured, Operations):
         }
 
     @property
+    def _bank_names(self) -> list[str]:
+        return [term.name for term in self.terms.terms if term.from_bank and self.coefficients[term.name]]
+
+    @property
     def has_bank(self) -> bool:
         """Return whether it has a bank force: terms of the bank, not all zero."""
-        return any(term.from_bank and self.coefficients[term.name] for term in self.terms.terms)
+        return bool(self._bank_names)
 
     @property
     def bank_note(self) -> str:
@@ -236,11 +240,10 @@ class Model(Configured, Operations):
     def trust_note(self) -> str:
         """Note on bank coefficients that the tests do not determine; empty if there are none."""
         doubted = [
-            f"{term.name} {'' if verdict.startswith(VERB) else 'is '}{verdict}"
-            for term in self.terms.terms
-            if term.from_bank and self.coefficients[term.name]
-            and (verdict := self.verdicts.get(term.name, SETTLED)) != SETTLED
-        ]  # fmt: skip
+            f"{name} {'' if verdict.startswith(VERB) else 'is '}{verdict}"
+            for name in self._bank_names
+            if (verdict := self.verdicts.get(name, SETTLED)) != SETTLED
+        ]
         without = "No tests of this ship" if self.source.estimate else "The tests do not"
         return f"{without} determine the bank force: {', '.join(doubted)}." if doubted else ""
 
@@ -253,7 +256,7 @@ class Model(Configured, Operations):
     @property
     def unknown_note(self) -> str:
         """Note on bank coefficients without a verdict or a covariance; empty if there are none."""
-        banks = [term.name for term in self.terms.terms if term.from_bank and self.coefficients[term.name]]
+        banks = self._bank_names
         unjudged = [name for name in banks if name not in self.verdicts]
         missing = ["verdict"] * bool(unjudged) + ["covariance"] * (self.covariance is None)
         if not (banks and missing):

@@ -130,10 +130,7 @@ class Term(BaseSummary):
 
     @property
     def _vocabulary(self) -> dict[str, Quantity]:
-        return {
-            **REGRESSOR_INPUTS,
-            **{word: quantity for one in self._known for word, quantity in one.quantities.items()},
-        }
+        return REGRESSOR_INPUTS | {word: of for one in self._known for word, of in one.quantities.items()}
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
@@ -185,12 +182,9 @@ class TermTable(BaseSummary):
         for name in names:
             if name in FORCES:
                 raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
-            if names.count(name) > 1:
-                raise InputError(f"table {self.name}: two terms are called {name!r}; rename one")
-        movers = [actuator.name for actuator in self.actuators]
-        for name in movers:
-            if movers.count(name) > 1:
-                raise InputError(f"table {self.name}: two actuators are called {name!r}; rename one")
+        for kind, known in (("terms", names), ("actuators", [actuator.name for actuator in self.actuators])):
+            if twice := [name for name in known if known.count(name) > 1]:
+                raise InputError(f"table {self.name}: two {kind} are called {twice[0]!r}; rename one")
         for name in (name for tie in self.ties for name in tie):
             if name not in names:
                 raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
@@ -286,13 +280,9 @@ class TermTable(BaseSummary):
         """Return the table, called ``name``, with terms added to ``surge``, ``sway`` and ``yaw``, or replaced if the
         name exists.
         """
-        return replace(
-            self,
-            name=name,
-            surge=_merged(self.surge, surge),
-            sway=_merged(self.sway, sway),
-            yaw=_merged(self.yaw, yaw),
-        )
+        pairs = {"surge": (*self.surge, *surge), "sway": (*self.sway, *sway), "yaw": (*self.yaw, *yaw)}
+        merged = {force: tuple({one.name: one for one in terms}.values()) for force, terms in pairs.items()}
+        return replace(self, name=name, **merged)
 
 
 def without(table: TermTable, name: str, leave: Callable[[Term], bool]) -> TermTable:
@@ -313,10 +303,6 @@ def uncompiled(term: Term, error: Exception) -> InputError:
     why = str(error).partition("\n")[0].rstrip(".")
     sentence = f"term {term.name}: its regressor cannot be compiled ({why}); write it with {ARITHMETIC}"
     return InputError(sentence + remedy)
-
-
-def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
-    return tuple({term.name: term for term in (*old, *new)}.values())
 
 
 DRIFT_FORCE = DepthLaw(squat_and_depth.kijima_drift_force)
