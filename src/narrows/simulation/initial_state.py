@@ -120,12 +120,9 @@ class VoyageIntegrator:
         return min(clearance, *self._ends(state)), side
 
     def sane(self, state: State, clearance: float) -> bool:
-        """Return whether a state is physical; a ship drawn to a bank that ends its voyage may have any speed."""
-        if self.choices.leaves and clearance <= self.near:
-            return True
         u, v, r = state[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        return abs(u) < fast and abs(v) < fast and abs(r) < turning and clearance == clearance
+        return event.is_sane(u, v, r, clearance, self.near, self.choices.leaves, fast, turning)
 
     def integrate(self, rows: list[Row], stop: float, dt: float) -> int:
         """Integrate to a time, or to an earlier end of the voyage; return the outcome of ``event``."""

@@ -50,6 +50,16 @@ def clearance_left(clearance: float, before: float, leaves: float) -> float:
     return clearance - leaves * before if leaves > 0.0 else clearance
 
 
+def is_sane(
+    u: float, v: float, r: float, clearance: float, near: float, leaves: float, most_speed: float, most_rate: float
+) -> bool:
+    """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
+    if leaves > 0.0 and clearance <= near:
+        return True
+    slow: bool = abs(u) < most_speed and abs(v) < most_speed
+    return slow and abs(r) < most_rate and clearance == clearance  # not NaN
+
+
 def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance: float) -> int:
     """Return which end is met when no clearance is left, from the margins to all ends except the bank."""
     if heading <= tolerance:

@@ -26,6 +26,7 @@ from narrows.codegen.kernels.event import (
     begin_voyage,
     cause,
     clearance_left,
+    is_sane,
 )
 from narrows.waterway.bank_clearance import exact_clearance
 
@@ -82,13 +83,9 @@ def ends_of(program: LaneProgram, block: Array, lane: int, first: int, water: Sh
     return ends
 
 
-def is_sane(program: LaneProgram, block: Array, lane: int, clearance: float, water: SharedInputs, near: float) -> bool:
-    """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
-    if program.leaves > 0.0 and clearance <= near:
-        return True
-    most = water.shared[MOST_SPEED]
-    slow = abs(block[U, lane]) < most and abs(block[V, lane]) < most
-    return slow and abs(block[R, lane]) < water.shared[MOST_RATE] and clearance == clearance  # not NaN
+def is_sane_lane(leaves: float, block: Array, lane: int, clearance: float, shared: Array, near: float) -> bool:
+    u, v, r = block[U, lane], block[V, lane], block[R, lane]
+    return is_sane(u, v, r, clearance, near, leaves, shared[MOST_SPEED], shared[MOST_RATE])
 
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
@@ -101,7 +98,7 @@ def handle_event(program: LaneProgram, block: Array, lane: int, control: Array, 
     clearance, before = block[CLEARANCE, lane], block[CLEARANCE_BEFORE, lane]
     left = block[LEFT, lane]
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
-    sane = is_sane(program, block, lane, clearance, water, near)
+    sane = is_sane_lane(leaves, block, lane, clearance, water.shared, near)
     if program.exact and sane and (clearance <= 0.0 or control[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
         clearance, block[NEARER_SIDE, lane] = true_clearance(program, block, lane, NOW, water)
@@ -142,7 +139,7 @@ def load_lane(
     block[CLEARANCE, lane], block[NEARER_SIDE, lane] = clearance, side
     begin_voyage(control, times[0], times[1], times[2])
     block[STEP_LENGTH, lane], block[LEFT, lane] = control[NEXT], control[COUNT]
-    if not is_sane(program, block, lane, clearance, water, 0.0):
+    if not is_sane_lane(program.leaves, block, lane, clearance, water.shared, 0.0):
         return DIVERGED
     if not clearance > 0.0:
         outcome = cause_of(program, block, lane, water, 0.0)

@@ -23,6 +23,7 @@ from narrows.codegen.kernels.event import (
     begin_voyage,
     cause,
     clearance_left,
+    is_sane,
 )  # fmt: skip
 from narrows.waterway.bank_clearance import ROW, advanced_along, exact_clearance
 
@@ -80,14 +81,6 @@ def clearance(state: Array, closeness: Array, waterway: Place) -> None:
     closeness[0] = starboard
 
 
-def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
-    """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
-    if LEAVES > 0.0 and closeness <= constants.near_bank:
-        return True
-    slow: bool = abs(state[U]) < MOST_SPEED and abs(state[V]) < MOST_SPEED
-    return slow and abs(state[R]) < MOST_RATE and closeness == closeness  # not NaN
-
-
 def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: float) -> int:
     """Return which end is met when the clearance is zero: the limit of heading, an end of the waterway, or a bank."""
     ahead, astern = UNREACHED, UNREACHED
@@ -101,14 +94,13 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
     least_clearance(state, closeness, constants, waterway)
     if EXACT and closeness[0] <= 0.0:
         true_clearance(state, closeness, constants, waterway)
-    if not is_sane(state, closeness[0], constants):
+    if not is_sane(state[U], state[V], state[R], closeness[0], constants.near_bank, LEAVES, MOST_SPEED, MOST_RATE):
         return DIVERGED
     if closeness[0] > 0.0:
         return AFLOAT
     outcome: int = cause_of(state, constants, waterway, 0.0)
-    return (
-        AFLOAT if closeness[0] == 0.0 and outcome == ASTERN else outcome
-    )  # The first point of a waterway belongs to it
+    # The first point of a waterway belongs to it.
+    return AFLOAT if closeness[0] == 0.0 and outcome == ASTERN else outcome
 
 
 def can_integrate(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
@@ -159,7 +151,8 @@ def integrate(
         step(state, after, control[NEXT], inputs, constants, waterway)
         left -= 1.0
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
-        sane: bool = is_sane(after, closeness[0], constants)
+        near = constants.near_bank
+        sane: bool = is_sane(after[U], after[V], after[R], closeness[0], near, LEAVES, MOST_SPEED, MOST_RATE)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
             true_clearance(after, closeness, constants, waterway)
         now, side = closeness[0], closeness[1]
@@ -172,7 +165,7 @@ def integrate(
         if EXACT and (trying or not clear):
             true_clearance(state, closeness, constants, waterway)
             before = closeness[0]
-        outcome = accept_step(control, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
+        outcome = accept_step(control, left, now, before, sane, TOLERANCE, near, LEAVES)
         end[0] = control[CLOCK]
         if outcome != LOST and outcome != BACK:
             for number in range(KEPT):
