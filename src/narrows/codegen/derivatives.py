@@ -95,15 +95,13 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
     where |= {symbol(name): value for name, value in values.items()}
     regressors = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
     rows = dict(zip(motion.components, motion.pushes, strict=True))
-    entries = []
-    for force in FORCES:
-        for name in names:
-            if name not in regressors or force not in rows:
-                entries.append(Integer(0))
-                continue
-            inverse = rates.constants.lift(rows[force][motion.components.index(motion.regressors[name][0])])
-            entries.append(inverse * regressors[name])
-    return entries
+
+    def entry(force: str, name: str) -> Expr:
+        if name not in regressors or force not in rows:
+            return Integer(0)
+        return rates.constants.lift(rows[force][motion.components.index(motion.regressors[name][0])]) * regressors[name]
+
+    return [entry(force, name) for force in FORCES for name in names]
 
 
 # The tangent of a voyage: a step with the derivatives of its whole state; lanes are directions. The lines of the step

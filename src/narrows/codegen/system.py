@@ -121,14 +121,10 @@ class System:
     def _written(self, name: str, *parts: Any) -> str:
         from narrows.codegen import derivatives, kernel  # They need SymPy, which a cached text does not
 
-        match name:
-            case "plain":
-                return kernel.plain_text(self.choices, self.rates)
-            case "kernel":
-                return kernel.kernel_text(self.choices, self.rates)
-            case "tangent":
-                return derivatives.tangent_text(self.choices, self.rates, *parts)
-        return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
+        if name == "jacobian":
+            return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
+        texts = {"plain": kernel.plain_text, "kernel": kernel.kernel_text, "tangent": derivatives.tangent_text}
+        return texts[name](self.choices, self.rates, *parts)
 
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]

@@ -145,13 +145,12 @@ def integrate(
     end[0], end[1] = 0.0, closeness[1]
     if outcome != AFLOAT:
         return outcome
-    left, before = control[COUNT], closeness[0]
+    left, before, near = control[COUNT], closeness[0], constants.near_bank
     while control[COUNT] > 0.0:
         trying: bool = control[TRIES] > 0.0
         step(state, after, control[NEXT], inputs, constants, waterway)
         left -= 1.0
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
-        near = constants.near_bank
         sane: bool = is_sane(after[U], after[V], after[R], closeness[0], near, LEAVES, MOST_SPEED, MOST_RATE)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
             true_clearance(after, closeness, constants, waterway)

@@ -35,15 +35,6 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     _print_Rational = _print_Half = _print_Integer = _print_Zero = _print_One = _print_NegativeOne = _print_Float
     _print_NumberSymbol = _print_Exp1 = _print_Pi = _print_Float
 
-    def _print_Abs(self, value: Expr) -> str:
-        return self.called("abs", self._print(value.args[0]))
-
-    def _print_exp(self, value: Expr) -> str:
-        return self.called("exp", self._print(value.args[0]))
-
-    def _print_log(self, value: Expr) -> str:
-        return self.called("log", self._print(value.args[0]))
-
     def _print_Pow(self, value: Expr, **_: Any) -> str:
         base, power = value.args
         if base == sympy.E:
@@ -62,10 +53,12 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
         return self.called("power", self._print(base), self._print(power))
 
     def _print_Function(self, value: Expr) -> str:
-        name = str(value.func)
+        name = str(value.func).lower()
         if name == "entry":
             return self.called(name, self.TABLE, str(value.args[0]), self._print(value.args[1]))
         return self.called(name, *map(self._print, value.args))
+
+    _print_Abs = _print_exp = _print_log = _print_Function
 
 
 plain = Arithmetic()
