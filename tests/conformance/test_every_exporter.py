@@ -126,15 +126,13 @@ def test_it_carries_the_passport_of_its_model(kind: str, tmp_path: Path, uncompi
     assert [part for part in parts if part not in text] == []
 
 
-@pytest.mark.parametrize("kind", [kind for kind, own in EXPORTERS.items() if own.refused])
-def test_what_it_refuses_to_be_told(kind: str, tmp_path: Path) -> None:
-    path, way = (
-        tmp_path / f"ship{EXPORTERS[kind].suffixes[0]}",
-        Path(nw.__file__).parents[2] / "examples/waterway.geojson",
-    )
-    assert list(EXPORTERS[kind].refused) == ["waterway"]
-    done = CliRunner().invoke(app, ["export", kind, MODEL, "-o", str(path), "--waterway", str(way)])
-    assert str(done.exception) == EXPORTERS[kind].refused["waterway"]
+@pytest.mark.parametrize("kind", [kind for kind, own in EXPORTERS.items() if "waterway" not in own.options])
+@pytest.mark.parametrize(("option", "name"), [("--waterway", "waterway"), ("--hold", "controller")])
+def test_what_it_refuses_to_be_told(kind: str, option: str, name: str, tmp_path: Path) -> None:
+    path = tmp_path / f"ship{EXPORTERS[kind].suffixes[0]}"
+    given = str(Path(nw.__file__).parents[2] / "examples/waterway.geojson") if name == "waterway" else "0"
+    done = CliRunner().invoke(app, ["export", kind, "estimated_kcs", "-o", str(path), option, given])
+    assert str(done.exception) == f"a file of kind {kind} has no {name} of its own to set; leave {option} out"
     assert not path.exists()
 
 

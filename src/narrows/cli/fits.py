@@ -279,14 +279,12 @@ def export(
     ship, way = model_named(model), water.read()
     helm = None if hold is None else nw.control.regulator(ship, hold, voyage_defaults(ship).speed, waterway=way)
     options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics), "controller": helm}
-    for name, why in exporter.refused.items():
-        if options[name] is not None:
-            raise InputError(why)
     known = exporter.options
-    if hold is not None and "controller" not in known:
-        raise InputError(f"a file of kind {kind} has no helm of its own to set; leave --hold out")
+    for option, name in (("waterway", "waterway"), ("hold", "controller")):
+        if options[name] is not None and name not in known:
+            raise InputError(f"a file of kind {kind} has no {name} of its own to set; leave --{option} out")
     written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})
-    notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
+    notes, platforms = list(exporter.notes(written)), written if kind == "fmu" else ()
     shown = {"summary": f"wrote {output}", "kind": kind, "output": str(output), "platforms": platforms, "notes": notes}
     cli.Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))
 

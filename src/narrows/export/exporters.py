@@ -1,7 +1,7 @@
 """Every export format: a row of ``EXPORTERS``, and the one function that writes them."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,8 +29,6 @@ class Exporter:
     options: tuple[str, ...]
     # Notes on the written file, from the result of ``write``
     notes: Callable[[Any], Iterable[str]] = lambda written: ()
-    platforms: bool = False  # True if ``write`` returns the platforms that the file runs on
-    refused: Mapping[str, str] = field(default_factory=dict)  # Options that it refuses, with the reason
 
     def made(self, model: "Model", path: str | Path, options: Mapping[str, Any]) -> tuple[str | bytes, Any]:
         for name in options:
@@ -114,23 +112,20 @@ _ROWS = (
     Exporter(
         "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave, or as an FMU",
         (".m", ".h", ".cs", ".mjs", ".fmu"), ("force_files", "force_file"), ("fmi",),
-        refused={"waterway": "the bank's force takes the section as input; leave --waterway out"},
     ),
     Exporter("c", "a header of C99 and C++, or one with a class", (".h", ".hpp"), SHIP_FILE, SHIP),
     Exporter(
         "fmu", "an FMU of FMI 2.0 or 3.0", (".fmu",), ("fmu", "fmu_file"), (*SHIP, "fmi", "u", "dt"), about_libraries,
-        platforms=True,
     ),
     Exporter("js", "an ES module, or an npm package of it with types", (".mjs", ".js", ".tgz"), SHIP_FILE, SHIP),
     Exporter("latex", "the equations of the forces", (".tex",), ("ship_files", "latex_file"), ()),
     Exporter(
         "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function", (".m", ".c"), SHIP_FILE,
-        PHYSICS, refused={"waterway": "a function of MATLAB has the canal of its model; leave --waterway out"},
+        PHYSICS,
     ),
     Exporter(
         "page", "a page that sails fleets in a browser", (".html",), ("page.assembly", "page_file"),
         (*PHYSICS, "contact", "title", "u"), tuple,
-        refused={"waterway": "a page shows a straight canal; leave --waterway out"},
     ),
     Exporter("python", "a Python file that needs NumPy alone", (".py",), SHIP_FILE, SHIP),
 )  # fmt: skip

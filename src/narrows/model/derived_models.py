@@ -90,23 +90,20 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
 
 def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
-    notes = [f"Not corrected: {', '.join(kept)}."] * bool(kept)
     unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
-    if unverified:
-        notes.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
-    if model.configuration.canal.depth is None:
-        notes.append("The depth of the tests is unknown; they count as deep water.")
     deeper = [term.name for term in model.terms.terms if term.needs_depth]
-    if deeper:
-        notes.append(f"The terms of {', '.join(deeper)} depend on depth: tests at one depth do not determine them.")
-    ratio = depth / model.configuration.ship.draft
-    if ratio < SHALLOWEST:
-        notes.append(
-            f"h/T = {ratio:.2f} is below {SHALLOWEST}, where the factors grow without limit and none was measured."
-        )
-    if any(factor < 1 for factor in factors.values()) and depth < (model.configuration.canal.depth or DEEP):
-        notes.append("A factor below 1 in shallower water is outside the range of the corrections.")
-    return tuple(notes)
+    was, ratio = model.configuration.canal.depth, depth / model.configuration.ship.draft
+    found = (
+        (kept, f"Not corrected: {', '.join(kept)}."),
+        (unverified, f"The exponent for {', '.join(unverified)} is from memory, not verified."),
+        (was is None, "The depth of the tests is unknown; they count as deep water."),
+        (deeper, f"The terms of {', '.join(deeper)} depend on depth: tests at one depth do not determine them."),
+        (ratio < SHALLOWEST, f"h/T = {ratio:.2f} is below {SHALLOWEST}, where the factors grow without limit and none "
+         "was measured."),
+        (min(factors.values(), default=1.0) < 1 and depth < (was or DEEP),
+         "A factor below 1 in shallower water is outside the range of the corrections."),
+    )  # fmt: skip
+    return tuple(note for applies, note in found if applies)
 
 
 def extend(
