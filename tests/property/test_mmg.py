@@ -1,6 +1,7 @@
 """The MMG standard method's parts: limits, symmetry, scale."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.physics import hull, propeller, rudder
-from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.names import name_of
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
@@ -17,8 +17,7 @@ VALUES = {**KVLCC2.configuration.values(), "u": 1.0, "v": 0.0, "r": 0.0, "cos_ru
 
 
 def value(function, **changed: float) -> float:
-    values = VALUES | changed
-    return float(function(RudderQuantities(**{own.name: values[own.name] for own in fields(RudderQuantities)})))
+    return float(function(SimpleNamespace(**VALUES | changed)))
 
 
 @given(degrees=numbers(-45, 45))

@@ -3,7 +3,7 @@
 import json
 import re
 from dataclasses import replace
-from inspect import signature
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -21,8 +21,7 @@ HELM = {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm
 
 
 def value(function, angle: float, **changed: float) -> float:
-    values = {**STATE, "cos_rudder": np.cos(angle), "sin_rudder": np.sin(angle), **changed}
-    return function(**{name: values[name] for name in signature(function).parameters})
+    return function(SimpleNamespace(**STATE | {"cos_rudder": np.cos(angle), "sin_rudder": np.sin(angle)} | changed))
 
 
 def test_to_starboard_is_positive() -> None:

@@ -1,37 +1,46 @@
 """Tables derived from others: with a rudder, asymmetry, transverse thrust, with hull coefficients for each depth."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from types import SimpleNamespace
 from typing import Any
 
 from narrows.base.errors import InputError
 from narrows.model.term import DEPTH, FREE, NONNEGATIVE, Bound, Term, TermKind, TermTable
 from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
-from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number, name_of
 
 
+class Asked:
+    """Notes the attributes that a function reads, each of which is 1."""
+
+    def __getattr__(self, name: str) -> float:
+        setattr(self, name, 1.0)
+        return 1.0
+
+
 @dataclass(frozen=True)
 class Grouped:
-    """A function of several quantities as one object."""
+    """A regressor from a function of one object, whose attributes are names of the vocabulary."""
 
-    function: Callable[[Any], Number]  # Function of that object
-    quantities: type  # Dataclass whose fields are names of the vocabulary
+    function: Callable[[Any], Number]
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        return tuple(entry.name for entry in fields(self.quantities))
+        asked = Asked()
+        self.function(asked)
+        return tuple(vars(asked))
 
     @property
     def name(self) -> str:
         return name_of(self.function)
 
     def __call__(self, *values: Number) -> Number:
-        return self.function(self.quantities(*values))
+        return self.function(SimpleNamespace(**dict(zip(self.inputs, values, strict=True))))
 
 
 @dataclass(frozen=True)
@@ -70,8 +79,8 @@ class Addition:
 
 HELM = Addition(
     "helm", "a rudder", "helm", "{helm}",
-    {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}, TermKind.RUDDER,
-    "form of Yasukawa and Yoshimura (2015)", NONNEGATIVE, is_alone=True,
+    {"surge": Grouped(rudder.helm_surge), "sway": Grouped(rudder.helm_sway), "yaw": Grouped(rudder.helm_yaw)},
+    TermKind.RUDDER, "form of Yasukawa and Yoshimura (2015)", NONNEGATIVE, is_alone=True,
 )  # fmt: skip
 
 # A constant force and moment, proportional to the speed squared.
@@ -83,14 +92,12 @@ ASYMMETRY = Addition(
 STRAIGHTENED = "rudder_straightening_port"  # Input of the rudder of the MMG standard method
 STRAIGHTENING = Addition(
     "", "a flow straightening by side", "straightening", r"{\gamma}'",
-    {"sway": Grouped(rudder.straightening_sway, RudderQuantities),
-     "yaw": Grouped(rudder.straightening_yaw, RudderQuantities)},
+    {"sway": Grouped(rudder.straightening_sway), "yaw": Grouped(rudder.straightening_yaw)},
     TermKind.RUDDER, "gamma_R by side of Yasukawa and Yoshimura (2015)",
 )  # fmt: skip
 RUDDER_EVEN = Addition(
     "", "a rudder that is stronger to one side", "rudder_even", r"{\delta\delta}'",
-    {"sway": Grouped(rudder.even_rudder_sway, RudderQuantities),
-     "yaw": Grouped(rudder.even_rudder_yaw, RudderQuantities)},
+    {"sway": Grouped(rudder.even_rudder_sway), "yaw": Grouped(rudder.even_rudder_yaw)},
     TermKind.RUDDER, "Y_deltadelta and N_deltadelta of polynomial manoeuvring models, as in Abkowitz (1964)",
 )  # fmt: skip
 
@@ -104,8 +111,8 @@ def asymmetric(table: TermTable) -> TermTable:
 # The push of a propeller that turns astern, relative to the Esso Osaka's.
 TRANSVERSE_THRUST = Addition(
     "transverse_thrust", "a transverse thrust", "astern", "{astern}",
-    {"sway": propeller.transverse_thrust, "yaw": propeller.transverse_thrust_yaw}, TermKind.PROPELLER,
-    "MMG model of the Esso Osaka astern, Osaka University",
+    {"sway": Grouped(propeller.transverse_thrust), "yaw": Grouped(propeller.transverse_thrust_yaw)},
+    TermKind.PROPELLER, "MMG model of the Esso Osaka astern, Osaka University",
 )  # fmt: skip
 
 # Additions to a table besides a form of the bank.

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.results import BaseSummary
@@ -23,8 +24,6 @@ from narrows.model.term import (
 from narrows.physics import clearance, hull, propeller, rudder
 from narrows.physics.clearance import cushion, suction
 from narrows.physics.hull import AddedMass, HullPower, Product
-from narrows.physics.propeller import PropellerQuantities
-from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number, argument_names, evaluate, name_of
@@ -269,9 +268,8 @@ def _polynomial(letter: str, powers: tuple[tuple[str, tuple[int, int]], ...], le
     )  # fmt: skip
 
 
-def _rudder(name: str, symbol: str, force: Callable[[RudderQuantities], Number]) -> Term:
-    regressor = Grouped(force, RudderQuantities)
-    return Term(name, symbol, regressor, NUMBER, NONNEGATIVE, TermKind.RUDDER, SOURCE, scale_effect=WAKE)
+def _rudder(name: str, symbol: str, force: Callable[[Any], Number]) -> Term:
+    return Term(name, symbol, Grouped(force), NUMBER, NONNEGATIVE, TermKind.RUDDER, SOURCE, scale_effect=WAKE)
 
 
 # The MMG standard method in open water: a hull with nondimensional derivatives, a propeller, a rudder in its
@@ -287,7 +285,7 @@ MMG = TermTable(
             scale_effect=ScaleEffect.FRICTION,
         ),
         *_polynomial("X", SURGE_POWERS),
-        Term("X_thrust", r"1 - t_P", Grouped(propeller.thrust, PropellerQuantities), NUMBER, NONNEGATIVE,
+        Term("X_thrust", r"1 - t_P", Grouped(propeller.thrust), NUMBER, NONNEGATIVE,
              TermKind.PROPELLER, SOURCE, scale_effect=WAKE),
         _rudder("X_rudder", r"1 - t_R", rudder.rudder_surge),
     ),

@@ -1,7 +1,7 @@
 """The propeller of the MMG standard method: wake fraction, thrust and slipstream. Thrust deduction is a coefficient."""
 
 import math
-from dataclasses import dataclass
+from typing import Any
 
 from narrows.physics.hull import drift, speed
 from narrows.quantities.arithmetic import maximum, minimum
@@ -14,31 +14,10 @@ ADVANCES = 0.06, 0.35
 NOTHING = 1e-9  # An angle [rad] that counts as zero, without a side
 
 
-@dataclass(frozen=True)
-class PropellerQuantities:
-    """Inputs of a propeller's force."""
-
-    u: Number
-    v: Number
-    r: Number
-    length: Number
-    propeller_wake: Number
-    propeller_position: Number
-    propeller_wake_rate: Number
-    propeller_wake_starboard: Number
-    propeller_wake_port: Number
-    revolutions: Number
-    propeller_diameter: Number
-    propeller_thrust_0: Number
-    propeller_thrust_1: Number
-    propeller_thrust_2: Number
-    propeller_astern_0: Number
-    propeller_astern_1: Number
-    propeller_astern_2: Number
-    density: Number
+# Functions of one argument ``at`` take the quantities as its attributes: a force needs up to 28 of them.
 
 
-def inflow(at: PropellerQuantities) -> Number:
+def inflow(at: Any) -> Number:
     """Velocity of the water along the propeller [m/s], u (1 - w_P); the wake decreases in a turn.
 
     ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
@@ -48,12 +27,12 @@ def inflow(at: PropellerQuantities) -> Number:
     return at.u * (1 - at.propeller_wake) * (1 + turned * (wake_share(at) - 1))
 
 
-def angle_to_propeller(at: PropellerQuantities) -> Number:
+def angle_to_propeller(at: Any) -> Number:
     """Angle of the inflow to the propeller [rad], beta_P. Source: Yasukawa and Yoshimura (2015)."""
     return drift(at.u, at.v) - at.propeller_position * at.r * at.length / speed(at.u, at.v)
 
 
-def wake_share(at: PropellerQuantities) -> Number:
+def wake_share(at: Any) -> Number:
     """Wake ratio of a hard turn to straight running [1], C_2 by the side. Source: Yasukawa and Yoshimura (2015)."""
     angle = angle_to_propeller(at)
     middle = (at.propeller_wake_starboard + at.propeller_wake_port) / 2
@@ -61,7 +40,7 @@ def wake_share(at: PropellerQuantities) -> Number:
     return middle + half * angle / (abs(angle) + NOTHING)
 
 
-def loading(at: PropellerQuantities) -> Number:
+def loading(at: Any) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2, with J = u_P / (n D).
 
     Ahead K_T = k_0 + k_1 J + k_2 J^2, astern K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2; with all a = 0 the
@@ -77,29 +56,24 @@ def loading(at: PropellerQuantities) -> Number:
     return ahead + back * astern
 
 
-def thrust(at: PropellerQuantities) -> Number:
+def thrust(at: Any) -> Number:
     """Surge force of the propeller per unit of 1 - t_P [N], rho n^2 D^4 K_T. Source: Yasukawa and Yoshimura (2015)."""
     return at.density * at.propeller_diameter * at.propeller_diameter * loading(at)
 
 
-def transverse_thrust(
-    u: Number, revolutions: Number, propeller_diameter: Number, length: Number, draft: Number, density: Number
-) -> Number:
+def transverse_thrust(at: Any) -> Number:
     """Sway force of a right-handed propeller that turns astern [N], as that of the Esso Osaka: to port.
 
     Source: A_1 to A_5 of the MMG model of a 3 m model of that tanker at Osaka University; two programs agree.
     """
     # Written without the advance, which is infinite at a stopped propeller.
-    tip = (abs(revolutions) - revolutions) / 2 * propeller_diameter
+    tip = (abs(at.revolutions) - at.revolutions) / 2 * at.propeller_diameter
     slow, fast = (advance * tip for advance in ADVANCES)
-    between = minimum(maximum(u, slow), fast) - slow
-    force = tip * (WITHOUT_ADVANCE * tip + BETWEEN * between + BEYOND * maximum(u - fast, 0.0))
-    return 0.5 * density * length * draft * force
+    between = minimum(maximum(at.u, slow), fast) - slow
+    force = tip * (WITHOUT_ADVANCE * tip + BETWEEN * between + BEYOND * maximum(at.u - fast, 0.0))
+    return 0.5 * at.density * at.length * at.draft * force
 
 
-def transverse_thrust_yaw(
-    u: Number, revolutions: Number, propeller_diameter: Number, length: Number, draft: Number, density: Number
-) -> Number:
+def transverse_thrust_yaw(at: Any) -> Number:
     """Yaw moment of that force [N m], bow to starboard. Source: as for ``transverse_thrust``, B_1 to B_5 within 1 %."""
-    # Its lever is 0.4 L behind midship.
-    return -0.4 * length * transverse_thrust(u, revolutions, propeller_diameter, length, draft, density)
+    return -0.4 * at.length * transverse_thrust(at)  # Its lever is 0.4 L behind midship

@@ -7,72 +7,40 @@ tests. The terms ``rudder_*`` are the whole method, in the slipstream of the pro
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from narrows.physics.hull import drift, speed
-from narrows.physics.propeller import PropellerQuantities, inflow, loading
+from narrows.physics.propeller import inflow, loading
 from narrows.quantities.names import Number
 
 
-def _half_density_area(length: Number, draft: Number, density: Number) -> Number:
-    return 0.5 * density * 0.01 * length * draft  # The reference area is L T/100
+def _normal_flow(at: Any, cosine: Number, sine: Number) -> Number:
+    """Return U_R (u sin delta - v_R cos delta) [m2/s2], with the flow straightened by hull and propeller."""
+    across = at.flow_straightening * (at.r * at.length / 2 - at.v)
+    return (at.u * at.u + across * across) ** 0.5 * (at.u * sine - across * cosine)
 
 
-def _cross_flow(v: Number, r: Number, length: Number, flow_straightening: Number) -> Number:
-    """Return the velocity across the rudder at the stern, straightened by hull and propeller [m/s]."""
-    return flow_straightening * (r * length / 2 - v)
+def _half_density_area(at: Any) -> Number:
+    return 0.5 * at.density * 0.01 * at.length * at.draft  # The reference area is L T/100
 
 
-def _normal_flow(u: Number, across: Number, cos_rudder: Number, sin_rudder: Number) -> Number:
-    """Return U_R (u sin delta - v_R cos delta) [m2/s2]."""
-    return (u * u + across * across) ** 0.5 * (u * sin_rudder - across * cos_rudder)
-
-
-def helm_surge(
-    u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
-    length: Number, draft: Number, flow_straightening: Number, density: Number,
-) -> Number:  # fmt: skip
+def helm_surge(at: Any) -> Number:
     """Surge force [N] of the rudder per unit coefficient. Source: form of Yasukawa and Yoshimura (2015)."""
-    across = _cross_flow(v, r, length, flow_straightening)
-    return -_half_density_area(length, draft, density) * _normal_flow(u, across, cos_rudder, sin_rudder) * sin_rudder
+    return -_half_density_area(at) * _normal_flow(at, at.cos_rudder, at.sin_rudder) * at.sin_rudder
 
 
-def helm_sway(
-    u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
-    length: Number, draft: Number, flow_straightening: Number, density: Number,
-) -> Number:  # fmt: skip
+def helm_sway(at: Any) -> Number:
     """Sway force [N] of turning the rudder, per unit. Source: Yasukawa and Yoshimura (2015), less the one amidships."""
-    across = _cross_flow(v, r, length, flow_straightening)
-    turned = _normal_flow(u, across, cos_rudder, sin_rudder) * cos_rudder
-    return -_half_density_area(length, draft, density) * (turned - _normal_flow(u, across, 1.0, 0.0))
+    turned = _normal_flow(at, at.cos_rudder, at.sin_rudder) * at.cos_rudder
+    return -_half_density_area(at) * (turned - _normal_flow(at, 1.0, 0.0))
 
 
-def helm_yaw(
-    u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
-    length: Number, draft: Number, flow_straightening: Number, density: Number,
-) -> Number:  # fmt: skip
+def helm_yaw(at: Any) -> Number:
     """Yaw moment [N m] of turning the rudder, per unit. Source: as for ``helm_sway``."""
-    return -length * helm_sway(u, v, r, cos_rudder, sin_rudder, length, draft, flow_straightening, density)
+    return -at.length * helm_sway(at)
 
 
-@dataclass(frozen=True)
-class RudderQuantities(PropellerQuantities):
-    """Inputs of a rudder's force in a propeller's slipstream."""
-
-    rudder_wake_ratio: Number
-    rudder_slipstream: Number
-    rudder_in_slipstream: Number
-    rudder_position: Number
-    rudder_straightening_starboard: Number
-    rudder_straightening_port: Number
-    cos_rudder: Number
-    sin_rudder: Number
-    rudder_area: Number
-    rudder_lift: Number
-
-
-def axial_velocity(at: RudderQuantities) -> Number:
+def axial_velocity(at: Any) -> Number:
     """Velocity of the water along the rudder [m/s], in the propeller's slipstream over the share eta of its height.
 
     u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2). Source: Yasukawa and
@@ -88,7 +56,7 @@ def axial_velocity(at: RudderQuantities) -> Number:
     return at.rudder_wake_ratio * mixed**0.5
 
 
-def lateral_velocity(at: RudderQuantities) -> Number:
+def lateral_velocity(at: Any) -> Number:
     """Velocity of the water across the rudder [m/s], U gamma_R beta_R. Source: Yasukawa and Yoshimura (2015)."""
     whole, angle = speed(at.u, at.v), inflow_angle(at)
     middle = (at.rudder_straightening_starboard + at.rudder_straightening_port) / 2
@@ -96,38 +64,38 @@ def lateral_velocity(at: RudderQuantities) -> Number:
     return whole * (middle * angle + half * abs(angle))
 
 
-def inflow_angle(at: RudderQuantities) -> Number:
+def inflow_angle(at: Any) -> Number:
     """Angle of the inflow to the rudder [rad], beta_R. Source: Yasukawa and Yoshimura (2015)."""
     return drift(at.u, at.v) - at.rudder_position * at.r * at.length / speed(at.u, at.v)
 
 
-def normal_force(at: RudderQuantities) -> Number:
+def normal_force(at: Any) -> Number:
     """Normal force of the rudder [N], F_N. Source: Yasukawa and Yoshimura (2015)."""
     forward, sideways = axial_velocity(at), lateral_velocity(at)
     return _lift(at, forward, sideways) * (forward * at.sin_rudder - sideways * at.cos_rudder)
 
 
-def _lift(at: RudderQuantities, forward: Number, sideways: Number) -> Number:
+def _lift(at: Any, forward: Number, sideways: Number) -> Number:
     """Return the normal force per velocity across the rudder [N s/m], 1/2 rho A_R f_alpha U_R."""
     return 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
 
 
-def rudder_surge(at: RudderQuantities) -> Number:
+def rudder_surge(at: Any) -> Number:
     """Surge force of the rudder per unit of 1 - t_R [N], -F_N sin delta. Source: Yasukawa and Yoshimura (2015)."""
     return -normal_force(at) * at.sin_rudder
 
 
-def rudder_sway(at: RudderQuantities) -> Number:
+def rudder_sway(at: Any) -> Number:
     """Sway force of the rudder per unit of 1 + a_H [N], -F_N cos delta. Source: Yasukawa and Yoshimura (2015)."""
     return -normal_force(at) * at.cos_rudder
 
 
-def rudder_yaw(at: RudderQuantities) -> Number:
+def rudder_yaw(at: Any) -> Number:
     """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m]. Source: Yasukawa and Yoshimura (2015)."""
     return at.length * normal_force(at) * at.cos_rudder
 
 
-def straightening_sway(at: RudderQuantities) -> Number:
+def straightening_sway(at: Any) -> Number:
     """Sway force [N] of a flow straightening that differs by side, per unit of (1 + a_H) (gamma_R+ - gamma_R-)/2.
 
     Source: F_N of Yasukawa and Yoshimura (2015), whose gamma_R of the KVLCC2 is 0.640 to one side, 0.395 to the other.
@@ -136,12 +104,12 @@ def straightening_sway(at: RudderQuantities) -> Number:
     return lift * speed(at.u, at.v) * abs(inflow_angle(at)) * at.cos_rudder * at.cos_rudder
 
 
-def straightening_yaw(at: RudderQuantities) -> Number:
+def straightening_yaw(at: Any) -> Number:
     """Yaw moment of that force per unit [N m]. Source: as for ``straightening_sway``."""
     return -at.length * straightening_sway(at)
 
 
-def even_rudder_sway(at: RudderQuantities) -> Number:
+def even_rudder_sway(at: Any) -> Number:
     """Sway force [N] of a rudder that is stronger to one side, per unit: as of F_N, with sin^2 delta for sin delta.
 
     Source: the even power of the rudder angle, Y_deltadelta, of asymmetric polynomial models as in Abkowitz (1964).
@@ -151,7 +119,7 @@ def even_rudder_sway(at: RudderQuantities) -> Number:
     return -lift * forward * at.sin_rudder * at.sin_rudder * at.cos_rudder
 
 
-def even_rudder_yaw(at: RudderQuantities) -> Number:
+def even_rudder_yaw(at: Any) -> Number:
     """Yaw moment of that force per unit [N m]. Source: as for ``even_rudder_sway``, N_deltadelta."""
     return -at.length * even_rudder_sway(at)
 

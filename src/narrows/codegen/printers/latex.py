@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from inspect import signature
 from typing import Any
 
 from narrows.base.errors import check_choice
@@ -13,7 +12,7 @@ from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
 from narrows.model.additions import Grouped
 from narrows.model.term import TermTable
 from narrows.physics import clearance, hull, propeller, rudder
-from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number
+from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number, argument_names
 
 # Symbols of quantities, those of propeller and rudder as in the MMG standard method.
 WRITTEN = {
@@ -46,8 +45,6 @@ NAMED: dict[str, Callable[..., Any]] = {
     "F_N": rudder.normal_force,  # Normal force of the rudder
     r"\delta_B": clearance.delta,  # Pressure parameter of the banks
 }
-# Classes of quantities that functions of propeller and rudder take together.
-TOGETHER = {propeller: propeller.PropellerQuantities, rudder: rudder.RudderQuantities}
 DIGITS = 4
 # Letters on a line of a page with usual margins, and of an expression that needs no name of its own, by ``_letters``.
 LINE, WIDEST = 57, 54
@@ -194,9 +191,8 @@ def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
     """Return the symbols of named quantities, by their line on the trace."""
     found: dict[int, str] = {}
     for written, function in NAMED.items():
-        together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)
-        asked = Grouped(function, together) if together else function
-        names = asked.inputs if isinstance(asked, Grouped) else [*signature(function).parameters]
+        asked = Grouped(function) if argument_names(function) == ("at",) else function
+        names = argument_names(asked)
         if all(name in inputs for name in names):
             value = asked(*[inputs[name] for name in names])
             found |= {value.line: written} if value.line < known else {}
