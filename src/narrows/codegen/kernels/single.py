@@ -145,13 +145,13 @@ def integrate(
     end[0], end[1] = 0.0, closeness[1]
     if outcome != AFLOAT:
         return outcome
-    left, before, near = control[COUNT], closeness[0], constants.near_bank
+    left, before, close = control[COUNT], closeness[0], constants.near_bank
     while control[COUNT] > 0.0:
         trying: bool = control[TRIES] > 0.0
         step(state, after, control[NEXT], inputs, constants, waterway)
         left -= 1.0
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
-        sane: bool = is_sane(after[U], after[V], after[R], closeness[0], near, LEAVES, MOST_SPEED, MOST_RATE)
+        sane: bool = is_sane(after[U], after[V], after[R], closeness[0], close, LEAVES, MOST_SPEED, MOST_RATE)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
             true_clearance(after, closeness, constants, waterway)
         now, side = closeness[0], closeness[1]
@@ -164,7 +164,7 @@ def integrate(
         if EXACT and (trying or not clear):
             true_clearance(state, closeness, constants, waterway)
             before = closeness[0]
-        outcome = accept_step(control, left, now, before, sane, TOLERANCE, near, LEAVES)
+        outcome = accept_step(control, left, now, before, sane, TOLERANCE, close, LEAVES)
         end[0] = control[CLOCK]
         if outcome != LOST and outcome != BACK:
             for number in range(KEPT):
