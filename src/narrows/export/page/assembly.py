@@ -2,10 +2,12 @@
 
 import base64
 import json
+import math
 import re
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,18 +20,10 @@ from narrows.codegen.free_motion import STATE
 from narrows.codegen.printers.translation import JavaScript
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu import ZIG_CC, compiled, lacks_zig
-from narrows.export.page.page_sliders import (
-    ASSUMED,
-    COEFFICIENTS,
-    Slider,
-    covered,
-    deviation,
-    is_open_water,
-    sliders_of,
-)  # fmt: skip
 from narrows.export.passport import passport
 from narrows.export.ship_files import c_text, javascript_text
-from narrows.model.model import Model
+from narrows.model.data_range import Range, tolerated
+from narrows.model.model import SETTLED, Model
 from narrows.quantities.arithmetic import choice
 from narrows.simulation.controllers import LAST_ORDER, ControlLaw, Named
 from narrows.simulation.grid import symmetric_root
@@ -53,15 +47,11 @@ def page_file(
     exported = ExportedShip(ship, None, SHIP, steering_of(helm, ship.actuators))
     lacking = lacks_zig("WebAssembly")
     wasm = None if lacking else wasm_of(exported)
-    title = title or f"{model.configuration.ship.name} {_where(model)}: every line is one ship"
+    canal = "between the banks of a canal" if model.has_bank else "in a canal, without a bank force"
+    where = "in open water" if is_open_water(model) else canal
+    title = title or f"{model.configuration.ship.name} {where}: every line is one ship"
     notes = (f"{SLOWER}: {lacking}" if lacking else "", why, model.bank_note)
     return page_text(exported, speed, title, why, wasm), tuple(filter(None, notes))
-
-
-def _where(model: Model) -> str:
-    if is_open_water(model):
-        return "in open water"
-    return "between the banks of a canal" if model.has_bank else "in a canal, without a bank force"
 
 
 SLOWER = "the page sails by plain JavaScript, a few times slower"
@@ -74,17 +64,19 @@ MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, least_cle
 def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
-    data = json.dumps(page_data(exported, speed, title) | {"wasm": packed(wasm) if wasm else ""}, separators=(",", ":"))
+    model, known, given = exported.ship.model, set[str](), {"model.js": model_script(exported)}
+    packed = base64.b64encode(zlib.compress(wasm, 9, BARE_DEFLATE)).decode() if wasm else ""
+    data = json.dumps(page_data(exported, speed, title) | {"wasm": packed}, separators=(",", ":"))
     template = Environment(loader=PackageLoader("narrows.export.page", "."), undefined=StrictUndefined)
-    known: set[str] = set()
-    given, data_range = {"model.js": model_script(exported)}, exported.ship.model.data_range
-    whose = "tests of other ships" if exported.ship.model.source.estimate else "the tests"
-    has_range = data_range.speed is not None or data_range.abs_y is not None
+    whose = "tests of other ships" if model.source.estimate else "the tests"
+    has_range = model.data_range.speed is not None or model.data_range.abs_y is not None
+    parts, of_map = ", ".join(model.configuration.parts), "" if is_open_water(model) else ", 100th on the map"
     return template.get_template("page.html.j2").render(
-        title=title, banks=exported.ship.model.has_bank, open=is_open_water(exported.ship.model),
-        foot=_foot(exported), helm=helm,
-        ship=exported.ship.model.configuration.ship.in_words, dotted=f"; dotted: what {whose} covered" * has_range,
-        passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
+        title=title, banks=model.has_bank, open=is_open_water(model), helm=helm, ship=model.configuration.ship.in_words,
+        foot=f"{f'; with {parts}' if parts else ''}. Sailed here, by the equations of the package: Runge-Kutta steps "
+        f"of a 200th of a ship length{of_map}. The speed is {exported.ship.surge}.",
+        dotted=f"; dotted: what {whose} covered" * has_range,
+        passport=list(passport(model)), data=data.replace("<", "\\u003c"),
         style=asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8"),
         shared="".join(bundled(name, given, known) for name in FIRST),
         worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
@@ -93,21 +85,6 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
 
 def model_script(exported: ExportedShip) -> str:
     return MODEL.format(without_exports(javascript_text(exported, derivatives=False)))
-
-
-def packed(wasm: bytes) -> str:
-    press = zlib.compressobj(9, zlib.DEFLATED, BARE_DEFLATE)
-    return base64.b64encode(press.compress(wasm) + press.flush()).decode()
-
-
-def _foot(exported: ExportedShip) -> str:
-    parts = ", ".join(exported.ship.model.configuration.parts)
-    of_map = "" if is_open_water(exported.ship.model) else ", 100th on the map"
-    return (
-        f"{f'; with {parts}' if parts else ''}. Sailed here, by the equations of the package: Runge-Kutta "
-        f"steps of a 200th of a ship length{of_map}. The speed is "
-        f"{'held' if exported.ship.surge == 'held' else 'free'}."
-    )
 
 
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
@@ -125,25 +102,17 @@ def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[s
     if name in known:
         return
     known.add(name)
-    text = given.get(name) or _read(name)
+    path = files("narrows.export.page") / "script" / name
+    text = given.get(name) or (path.read_text("utf-8") if path.is_file() else asset(name))
     for match in (*IMPORT.finditer(text), *SHARED.finditer(text)):
         yield from _modules(match[2], given, known)
     exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
     body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
-    yield f"const {_variable(name)} = (() => {{\n{body}return {{ {', '.join(exported)} }};\n}})();\n"
-
-
-def _read(name: str) -> str:
-    path = files("narrows.export.page") / "script" / name
-    return path.read_text("utf-8") if path.is_file() else asset(name)
+    yield f"const module_{name.removesuffix('.js')} = (() => {{\n{body}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 def _taken(match: re.Match[str]) -> str:
-    return f"const {{ {match[1].replace(' as ', ': ')} }} = {_variable(match[2])};\n"
-
-
-def _variable(name: str) -> str:
-    return f"module_{name.removesuffix('.js')}"
+    return f"const {{ {match[1].replace(' as ', ': ')} }} = module_{match[2].removesuffix('.js')};\n"
 
 
 LENGTHS = 7.0  # Distance shown [ship lengths]
@@ -179,7 +148,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             {"name": name, "bounds": [float(end) if np.isfinite(end) else None for end in model.terms[name].bound]}
             for name in names
         ],
-        "root": _written(root_of(model, names)), "share": ASSUMED,
+        "root": root_of(model, names), "share": ASSUMED,
         "assumed": model.covariance is None,
         "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
         "tested": {
@@ -200,15 +169,7 @@ def _turned(exported: ExportedShip) -> list[int]:
     return [place for place, name in enumerate(kept) if name in turned]
 
 
-def _written(root: np.ndarray) -> list[Any]:
-    """The rows of a matrix to ten digits; only its diagonal if the rest is zero."""
-    diagonal = np.diag(root)
-    if np.array_equal(root, np.diag(diagonal)):
-        return [float(f"{value:.10g}") for value in diagonal]
-    return [[float(f"{value:.10g}") for value in row] for row in root]
-
-
-def _notes(model: Model, sliders: list[Slider]) -> list[str]:
+def _notes(model: Model, sliders: list["Slider"]) -> list[str]:
     said = {slider.name for slider in sliders if slider.tested}
     asked = (("u", "speeds"), ("y", "offsets"))[: 1 if is_open_water(model) else 2]
     unsaid = [words for name, words in asked if name not in said]
@@ -219,11 +180,13 @@ def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     return [*notes, *filter(None, [silent])]
 
 
-def root_of(model: Model, names: list[str]) -> np.ndarray:
-    if model.covariance is None:
-        return np.diag([deviation(model, name) for name in names])
-    places = [model.terms.names.index(name) for name in names]
-    return symmetric_root(model.covariance[np.ix_(places, places)])
+def root_of(model: Model, names: list[str]) -> list[Any]:
+    """Return a root of the covariance of some coefficients to ten digits; its diagonal where a model has none."""
+    root = np.array([deviation(model, name) for name in names])
+    if model.covariance is not None:
+        places = [model.terms.names.index(name) for name in names]
+        root = symmetric_root(model.covariance[np.ix_(places, places)])
+    return np.vectorize(lambda value: float(f"{value:.10g}"), otypes=[float])(root).tolist()  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)
@@ -282,3 +245,154 @@ def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
         chosen = f"-DLANE_REAL={'float' if single else 'double'}", *("-DSTEERED",) * ("rudder" in exported.kept)
         command = *ZIG_CC, "-target", "wasm32-freestanding", *FLAGS, *chosen, f"-I{folder}", f"{folder}/fleet.c"
         return compiled(command, Path(folder, "fleet.wasm"), "WebAssembly")
+
+
+# The sliders: inputs of the model's terms, with ranges that suit the ship and the tested range.
+VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "Uncertainty"
+PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
+ASSUMED = 0.05  # Relative standard deviation of a coefficient if the model has no covariance
+# Range of a coefficient's slider [standard deviations]; canal widths: least [beams], most relative to the model's own.
+WIDE, NARROWEST, WIDEST = 3.0, 1.6, 2.0
+# Standard deviation of the starting offset [ship lengths] and of the heading [degrees].
+START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
+# Open water: clearance to either bank, and largest starting offset [ship lengths]; a voyage is 7 long.
+CLEARANCE, OFFSET = 10.0, 2.0
+
+
+@dataclass(frozen=True)
+class Slider:
+    name: str  # Name in the address
+    label: str
+    unit: str
+    group: str  # Heading above it
+    low: float
+    high: float
+    step: float
+    value: float  # First value
+    tested: Range | None = None  # Range of the data
+    beyond: str | None = None  # That range in words, for a value beyond it
+    told: str | None = None  # Name in the list of values beyond the data
+    switch: bool = False  # True for an on-off switch
+
+    def to_dict(self) -> dict[str, Any]:
+        digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
+        values = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
+        return values | {"digits": digits}
+
+
+def is_open_water(model: Model) -> bool:
+    """Return whether a model has no bank force, and the banks of its canal are out of reach."""
+    ship = model.configuration.ship
+    return not model.has_bank and model.configuration.canal.width > 2 * CLEARANCE * ship.length
+
+
+def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
+    model = exported.ship.model
+    names = {parameter.name for parameter in exported.parameters}
+    return [
+        *_voyage(exported, speed, steered), *_canal(model, "depth" in names), *_unknown(model),
+        *(coefficient for term in model.terms.names if term in names for coefficient in [_coefficient(model, term)]),
+    ]  # fmt: skip
+
+
+def _slider(
+    model: Model, group: str, name: str, label: str, unit: str, ends: Range, fine: float, value: float,
+    known: Range | None = None, scale: float = 1.0, both: bool = False, told: str | None = None,
+) -> Slider:  # fmt: skip
+    """Return a slider by its step, with the range of the data: ``known`` times ``scale``, of ``both`` signs."""
+    words = None
+    if known is not None:
+        whose = "other ships" if model.source.estimate else "tested"
+        words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+    low, high = (_to(end, fine) for end in ends)
+    return Slider(name, label, unit, group, low, high, fine, value, covered(known, scale, both), words, told)
+
+
+def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
+    model = exported.ship.model
+    ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
+    inputs, is_open, degree = {one.name: one.value for one in exported.inputs}, is_open_water(model), math.degrees(1.0)
+    most, slider = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2, partial(_slider, model, VOYAGE)
+    if steered:
+        line = "dashed line" if is_open else "middle"
+        yield Slider("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
+    fine, off = _fine(speed / 50), _fine(most / 200)
+    yield slider("u", "speed", "m/s", (0.3 * speed, 1.6 * speed), fine, speed, known.speed)
+    start = _to(min(most / 9, ship.length), off)
+    yield slider("y", "start, to starboard", "m", (-most, most), off, start, known.abs_y, both=True)
+    yield slider("psi", "heading, to starboard", "°", (-12, 12), 0.1, 0, known.abs_psi, degree, both=True)
+    if "rudder" in exported.kept:
+        limit = math.floor(math.degrees(model.configuration.gear.limit))
+        yield slider("rudder", "rudder, to starboard", "°", (-limit, limit), 0.5, 0)
+    if "revolutions" in inputs:
+        n = inputs["revolutions"]
+        astern = getattr(model.configuration.propeller, "turns_astern", False)
+        yield slider("revolutions", "revolutions", "1/s", (-2 * n if astern else 0, 2 * n), _fine(n / 100), n)
+    yield slider("current", "current, from astern", "m/s", (-0.25 * speed, 0.5 * speed), fine, 0)
+
+
+def _canal(model: Model, deep: bool) -> Iterator[Slider]:
+    ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
+    slider = partial(_slider, model, CANAL)
+    if not is_open_water(model):
+        yield slider("width", "width", "m", (NARROWEST * ship.beam, WIDEST * canal.width), _fine(canal.width / 200),
+                     canal.width, known.width_to_beam, ship.beam, told="the width of the canal")  # fmt: skip
+    if deep and canal.depth:
+        ends = 1.1 * ship.draft, max(4 * ship.draft, canal.depth)
+        yield slider("depth", "depth", "m", ends, _fine(ship.draft / 100), canal.depth, known.depth_to_draft,
+                     ship.draft, told="the depth of the canal")  # fmt: skip
+
+
+def _unknown(model: Model) -> Iterator[Slider]:
+    slider, length = partial(_slider, model, UNKNOWN), model.configuration.ship.length
+    fine, spread = _fine(length / 800), START_SPREAD * length
+    yield slider("sd_y", "spread of starts", "m", (0, 6 * spread), fine, _to(spread, fine))
+    yield slider("sd_psi", "spread of headings", "°", (0, 3), 0.05, HEADING_SPREAD)
+    yield slider("doubt", "spread of coefficients", "×", (0, 3), 0.05, 1)
+    yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
+    if not is_open_water(model):
+        yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
+
+
+def deviation(model: Model, name: str) -> float:
+    """Return the standard deviation of a coefficient, or the assumed one without a covariance."""
+    if model.covariance is None:
+        return ASSUMED * abs(model.coefficients[name])
+    place = model.terms.names.index(name)
+    return float(np.sqrt(model.covariance[place, place]))
+
+
+def _coefficient(model: Model, name: str) -> Slider:
+    value, bound = model.coefficients[name], model.terms[name].bound
+    size = WIDE * deviation(model, name) or abs(value) or 1.0
+    size = max(size, abs(value) if model.covariance is None else 0.0)
+    low, high = max(value - size, bound[0]), min(value + size, bound[1])
+    verdict = model.verdicts.get(name, "no verdict")
+    unit = model.terms[name].dimension.unit
+    inside = None if model.covariance is None else (value - 2 * size / WIDE, value + 2 * size / WIDE)
+    label, fine = name if verdict == SETTLED else f"{name}, {verdict}", _fine(size / 100)
+    words = None if inside is None else f"interval: {_ends(inside, fine)}"
+    return Slider(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, fine, value,
+                  inside, words, name)  # fmt: skip
+
+
+def covered(known: Range | None, scale: float = 1.0, both: bool = False) -> Range | None:
+    """Return the range of the data; of ``both`` signs where they limit an absolute value."""
+    if known is None:
+        return None
+    low, high = tolerated(known)
+    return -scale * high if both else scale * low, scale * high
+
+
+def _ends(known: Range, fine: float) -> str:
+    return ("–" if known[0] >= 0 else " to ").join(dict.fromkeys(f"{_to(end, fine):g}" for end in known))
+
+
+def _fine(size: float) -> float:
+    """Return a step of 1, 2 or 5 times a power of ten, no larger."""
+    power = 10.0 ** math.floor(math.log10(size))
+    return float(f"{max(step for step in (1, 2, 5) if step * power <= size * (1 + 1e-9)) * power:.3g}")
+
+
+def _to(value: float, fine: float) -> float:
+    return float(f"{round(value / fine) * fine:.10g}")
