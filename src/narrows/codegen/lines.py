@@ -40,7 +40,7 @@ class _Function(sympy.Function):  # type: ignore[misc]
 
 
 FUNCTIONS: dict[str, Expr] = {name: type(name, (_Function,), {}) for name in SLOPES}
-positive = FUNCTIONS["positive"]
+positive: Expr = FUNCTIONS["positive"]
 
 
 @lru_cache(maxsize=4096)

@@ -123,7 +123,11 @@ class System:
 
         if name == "jacobian":
             return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
-        texts = {"plain": kernel.plain_text, "kernel": kernel.kernel_text, "tangent": derivatives.tangent_text}
+        texts: dict[str, Callable[..., str]] = {
+            "plain": kernel.plain_text,
+            "kernel": kernel.kernel_text,
+            "tangent": derivatives.tangent_text,
+        }
         return texts[name](self.choices, self.rates, *parts)
 
     def constants_slopes(

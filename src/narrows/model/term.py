@@ -280,9 +280,9 @@ class TermTable(BaseSummary):
         """Return the table, called ``name``, with terms added to ``surge``, ``sway`` and ``yaw``, or replaced if the
         name exists.
         """
-        pairs = {"surge": (*self.surge, *surge), "sway": (*self.sway, *sway), "yaw": (*self.yaw, *yaw)}
-        merged = {force: tuple({one.name: one for one in terms}.values()) for force, terms in pairs.items()}
-        return replace(self, name=name, **merged)
+        pairs = (*self.surge, *surge), (*self.sway, *sway), (*self.yaw, *yaw)
+        of_x, of_y, of_n = (tuple({one.name: one for one in terms}.values()) for terms in pairs)
+        return replace(self, name=name, surge=of_x, sway=of_y, yaw=of_n)
 
 
 def without(table: TermTable, name: str, leave: Callable[[Term], bool]) -> TermTable:
