@@ -98,7 +98,12 @@ def speed_governor(
     most_revolutions : float [1/s], optional
         Limit of the engine; half again those that keep the fastest limit, unless given.
     """
-    places, speeds = _checked(limits)
+    try:
+        places, speeds = (list(map(float, part)) for part in zip(*limits, strict=True))
+    except (TypeError, ValueError):
+        raise InputError("limits of the speed are pairs of a place along the way [m] and a speed [m/s]") from None
+    if not np.isfinite([*places, *speeds]).all() or not (np.diff(places) > 0).all() or min(speeds) <= 0:
+        raise InputError("limits of the speed rise along the way, each with a speed over 0; mend them")
     revolutions = [self_propulsion(model, speed) for speed in speeds]
     slowest = min(speeds)
     coasting = -float(derivative(model, {"u": slowest}, surge="free", revolutions=0.0)[3])
@@ -114,16 +119,6 @@ def speed_governor(
     pole = slowest / (settings.GOVERNOR_TIME * model.configuration.ship.length)
     gains = (2 * pole + slope) / push, pole**2 / push, 1 / push
     return SpeedGovernor(helm, places, speeds, revolutions, rate, *gains, most)
-
-
-def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
-    try:
-        places, speeds = (list(map(float, part)) for part in zip(*limits, strict=True))
-    except (TypeError, ValueError):
-        raise InputError("limits of the speed are pairs of a place along the way [m] and a speed [m/s]") from None
-    if not np.isfinite([*places, *speeds]).all() or not (np.diff(places) > 0).all() or min(speeds) <= 0:
-        raise InputError("limits of the speed rise along the way, each with a speed over 0; mend them")
-    return places, speeds
 
 
 def planned_speed(x: Number, places: Sequence[Number], speeds: Sequence[Number], rate: Number) -> tuple[Number, Number]:

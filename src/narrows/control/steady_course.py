@@ -278,8 +278,7 @@ def linearize(
     A ship without a rudder is held on the line, along it, by external forces, which the course gives. In a bend the
     course is the steady turn along it. The section of a waterway is assumed constant at the place.
 
-    Source: Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the
-    form.
+    Source: Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2.
 
     Parameters
     ----------
@@ -288,17 +287,21 @@ def linearize(
         [m/s]; an array is a dimension of that name.
     waterway, at : Waterway, float [m], optional
         Waterway instead of the model's own canal, and the place along it.
-    surge : str
-        ``held``: constant speed; ``free``: it is a state. The propeller keeps the revolutions of this speed straight
+    surge, surge_inertia : str, float [kg], optional
+        As for ``simulate``. With a ``free`` speed, a state, the propeller keeps the revolutions of this speed straight
         ahead; a force X, part of the course, balances the remaining resistance.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     **values : float [SI]
-        External forces Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
-        model's, as in ``ensemble``.
+        External forces Y [N] and N [N m], heave [m], revolutions [1/s], other particulars and coefficients.
     """
     water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
-    given = _check_values(ship, values)
+    terms = model.terms
+    if "rudder" in values:
+        raise InputError("the rudder that holds the ship straight is sought: leave it out, or give a moment N")
+    known = {*model.configuration.values(), *terms.names, "heave", "Y", "N", *(one.name for one in terms.actuators)}
+    for name in values:
+        if name not in known:
+            raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
+    given = finite_numbers(**values)
     asked = {name: labelled(name, value).to_numpy().ravel() for name, value in (("y", y), ("u", u))}
     if not (asked["u"] > 0).all():
         raise InputError("a steady course needs a speed over 0; give u in m/s")
@@ -311,17 +314,6 @@ def linearize(
         where = f"at y = {offsets[0]:g} m and {speeds[0]:g} m/s"
         raise InputError(f"no rudder holds this ship {where}; choose a smaller offset")
     return _system(motion, course, varied)
-
-
-def _check_values(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
-    terms = ship.model.terms
-    known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
-    if "rudder" in values:
-        raise InputError("the rudder that holds the ship straight is sought: leave it out, or give a moment N")
-    for name in values:
-        if name not in known:
-            raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
-    return finite_numbers(**values)
 
 
 def steady_courses(

@@ -69,6 +69,8 @@ class PreparedRun:
 
     def __post_init__(self) -> None:
         vessels, inputs, lanes = len(self.start), self.vessel_inputs, self.kernel.LANES
+        share = -(-vessels // (self.workers * SLICES_PER_WORKER))
+        size = vessels if self.workers == 1 else max(SMALLEST_SLICE, min(LARGEST_SLICE, share))
         self.end, self.time, self.codes = self.start.copy(), np.zeros(vessels), np.zeros((vessels, 2), np.int64)
         self._calls = [
             (
@@ -77,7 +79,7 @@ class PreparedRun:
                 np.zeros(self.kernel.FIELDS * lanes + choices.CACHE_LINE), np.zeros((lanes, event.PLACES)),
                 np.zeros(lanes, np.int64),
             )
-            for part in slices(vessels, self.workers)
+            for part in (slice(first, first + size) for first in range(0, vessels, size or 1))
         ]  # fmt: skip
 
     @cached_property
@@ -92,8 +94,7 @@ class PreparedRun:
         return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)
 
     def __call__(self) -> int:
-        calls = self._calls if len(self.start) else []
-        self.lane_steps = sum(in_threads(lambda given: int(self._integrate(*given)), calls, self.workers))
+        self.lane_steps = sum(in_threads(lambda given: int(self._integrate(*given)), self._calls, self.workers))
         return self.lane_steps
 
 
@@ -112,13 +113,6 @@ def cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def slices(vessels: int, workers: int) -> list[slice]:
-    if workers == 1:
-        return [slice(0, vessels)]
-    size = max(SMALLEST_SLICE, min(LARGEST_SLICE, -(-vessels // (workers * SLICES_PER_WORKER))))
-    return [slice(first, min(first + size, vessels)) for first in range(0, vessels, size)]
 
 
 @dataclass(frozen=True)
