@@ -20,7 +20,7 @@ from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation import settings
-from narrows.simulation.grid import Grid, attributes_of, empty_of, grid_of, with_values
+from narrows.simulation.grid import Grid, attributes_of, empty_of, grid_of, labelled, run_into, sizes_of
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
@@ -91,7 +91,8 @@ def ensemble(
     duration, dt = defaults.duration if duration is None else duration, defaults.dt if dt is None else dt
     duration, dt = check_steps(duration, dt, settings.MOST_STEPS)
     check_irrelevant(ship, vary)
-    grid = with_values(plain, steering.parameters if steering else {})
+    law = {name: labelled(name, value) for name, value in steering.parameters.items()} if steering else {}
+    grid = Grid({**plain.values, **law}, sizes_of({**plain.values, **law}) or plain.sizes)
     if store is None and grid.vessels > settings.MOST_IN_MEMORY:
         raise InputError(f"{grid.vessels:.3g} voyages are too many for memory; vary less, or give store='fleet.zarr'")
     if grid.vessels > settings.MOST_STORED:
@@ -99,8 +100,6 @@ def ensemble(
     run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:
-        from narrows.simulation.grid import run_into
-
         voyages = run_into(path_of("store", store), run, grid, client, progress)
     elif client is not None:  # An object that is no client is refused here too
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")

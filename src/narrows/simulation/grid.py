@@ -104,11 +104,6 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
     return Grid(values, sizes or {"vessel": 1})
 
 
-def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
-    values = {**grid.values, **{name: labelled(name, value) for name, value in more.items()}}
-    return Grid(values, sizes_of(values) or grid.sizes)
-
-
 Columns = Mapping[str, xr.DataArray]
 
 # Names of the results.
