@@ -101,11 +101,9 @@ def demo(
 
 def _simulated() -> "nw.Fit":
     """A fit to simulated tests that separate the bank from the hull: harmonic runs, straight runs to both sides."""
-    yaw_and_sway = product(("yaw", "sway"), SIMULATED_SPEEDS, (14.0, 23.0))
+    motions = product(("yaw", "sway"), SIMULATED_SPEEDS, (14.0, 23.0))
     offsets = product((-2.0, -1.0, 1.0, 1.5, 2.0), SIMULATED_SPEEDS)
-    harmonic = [
-        nw.HarmonicRun(f"{kind} {u} m/s {period} s", kind, 0.5, period, u, 2) for kind, u, period in yaw_and_sway
-    ]
+    harmonic = [nw.HarmonicRun(f"{kind} {u} m/s {period} s", kind, 0.5, period, u, 2) for kind, u, period in motions]
     straight = [nw.StraightRun(f"straight {y} m {u} m/s", y, u, 20.0) for y, u in offsets]
     return nw.identify(nw.twin(runs=[*harmonic, *straight], rate=5.0))
 

@@ -35,14 +35,14 @@ USUAL_SPEED = 4.0  # Speed for compiling the kernels [m/s]
 
 @dataclass(frozen=True)
 class InputOptions:
-    listen: Annotated[list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/..., ws://HOST:3000; again."] = (
-        None
-    )
+    listen: Annotated[list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/..., ws://HOST; again."] = None
     replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
     score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
     demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
     pace: Annotated[float | None, "Factor on real time; default: as fast as possible, with --page real time."] = None
-    commands_from: Annotated[list[str] | None, "Host or device that may acknowledge (ACN); again."] = None
+    commands_from: Annotated[list[str] | None, "Host or device that may acknowledge (ACN); default: none; again."] = (
+        None
+    )
     mmsi: Annotated[int | None, "MMSI of the AIS reports to read; default: the ship's own."] = None
     antenna: Annotated[str, "Position of the antenna [m]: forward,starboard of midship."] = "0,0"
 
@@ -53,9 +53,7 @@ RECORDING = Option(help="Write the messages of --demo, for --replay: .nmea.", ch
 @dataclass(frozen=True)
 class AlertOptions:
     log: Annotated[Path | None, "Log of alerts, written before they are sent: .db."] = None
-    send: Annotated[list[str] | None, "ALF, ALC, HBT, ARC to udp://HOST:PORT; Signal K to ws://HOST:3000; again."] = (
-        None
-    )
+    send: Annotated[list[str] | None, "ALF, ALC, HBT, ARC to udp://HOST:PORT; Signal K to ws://HOST; again."] = None
     recording: Annotated[Path | None, RECORDING] = None
 
 

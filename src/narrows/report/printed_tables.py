@@ -110,12 +110,11 @@ def frame_table(frame: "pd.DataFrame", **options: Any) -> Table:
 
 
 def print_plan(plan: "Plan") -> None:
-    console, frame = console_of(WIDTH), plan.to_dataframe().drop(columns=["name", "duration [s]"])
+    frame = plan.to_dataframe().drop(columns=["name", "duration [s]"])
     frame.insert(0, "run", range(1, len(frame) + 1))
-    console.print(frame_table(frame))
-    console.print(f"Chosen from {plan.considered} candidate runs; the standard errors are those after each run.")
-    for sentence in (*plan.summary().splitlines(), *plan.notes):
-        console.print(f"- {sentence}")
+    print_result(plan, frame_table(frame))
+    words = f"Chosen from {plan.considered} candidate runs; the standard errors are those after each run."
+    console_of(WIDTH).print(words)
 
 
 def print_scaled(scaled: "Scaled") -> None:

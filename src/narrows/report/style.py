@@ -56,9 +56,8 @@ def drawing_on(axes: Axes | None) -> Iterator[None]:
 
 def titled(axes: Axes, sentences: Iterable[str]) -> None:
     letters = int(LETTERS_AN_INCH * axes.bbox.width / axes.figure.dpi)
-    axes.set_title(
-        "\n".join(line for sentence in sentences for line in wrap(sentence, letters)), fontsize=8, loc="left"
-    )
+    lines = [line for sentence in sentences for line in wrap(sentence, letters)]
+    axes.set_title("\n".join(lines), fontsize=8, loc="left")
 
 
 def panels(
