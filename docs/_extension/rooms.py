@@ -57,7 +57,7 @@ def restore_constant(app: Any, kind: str, name: str, thing: Any, options: Any, l
 def describe_numbers(app: Any, kind: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
     """List the numbers of a section of a ship file, which describes them where it defines them."""
     if kind == "class" and issubclass(thing, Part) and thing is not Part:
-        lines += ["Parameters", "----------"]
+        lines += ["", "Parameters", "----------"]
         for number, quantity in thing.numbers().items():
             lines += [f"{number} : float [{quantity.unit}]", f"    {quantity.meaning}"]
 

@@ -89,10 +89,7 @@ def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = N
         if ship is not None:
             raise InputError("these tests have a ship already; give ship where they are a file or a table")
         return tests
-    known = default if ship is None else ship
-    if known is None:
-        raise InputError(NO_SHIP)
-    return read_captive(tests, known)
+    return read_captive(tests, default if ship is None else ship)
 
 
 def sha256_of(path: Path) -> str:

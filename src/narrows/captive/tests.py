@@ -1,7 +1,7 @@
 """Captive tests in memory, and their blocks of rows for identification."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import compress, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -245,9 +245,14 @@ def selection(
     import pandas as pd
 
     headers = [str(header) for header in raw.columns]
+    words = set(re.findall(r"[^\W\d]\w*", where)) - set(headers)
+    named: Any = {word: frame[word] for word in words & set(LABELS) & set(frame.columns)}
     try:
-        resolvers: Any = (_plain_columns(where, frame, known, headers),)
-        chosen: Any = raw.eval(where, engine="python", resolvers=resolvers, local_dict={}, global_dict={})
+        columns = {column.quantity: column for header in frame if (column := parse_header(str(header), known))}
+        for word in words:  # ``psi`` in SI, ``psi_deg`` in degrees
+            if (asked := parse_header(word, known)) and (column := columns.get(asked.quantity)):
+                named[word] = floats(frame[column.header]) * (column.scale / asked.scale)
+        chosen: Any = raw.eval(where, engine="python", resolvers=(named,), local_dict={}, global_dict={})
         if not pd.api.types.is_bool_dtype(chosen) or np.shape(chosen) != (len(frame),):
             raise TypeError("it is not true or false for each row")
     except InputError as error:
@@ -261,17 +266,3 @@ def selection(
             "the table's headers, those with blanks as `Heading [deg]`"
         ) from None
     return np.asarray(chosen, dtype=bool)
-
-
-def _plain_columns(
-    where: str, frame: "pd.DataFrame", known: Mapping[str, Quantity], hidden: Iterable[str]
-) -> dict[str, Any]:
-    """Return the columns of an expression by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
-    columns = {column.quantity: column for header in frame.columns if (column := parse_header(str(header), known))}
-    words = set(re.findall(r"[^\W\d]\w*", where)) - set(hidden)
-    found = {word: frame[word] for word in words & set(LABELS) & set(frame.columns)}
-    for word in words:
-        if (asked := parse_header(word, known)) and asked.quantity in columns:
-            column = columns[asked.quantity]
-            found[word] = floats(frame[column.header]) * (column.scale / asked.scale)
-    return found

@@ -38,11 +38,16 @@ class Dialect(NamedTuple):
 
 def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
     """Yield a table by so many lines, or as one, without comments and empty lines."""
-    first = dialect.head.first
+    first, encoding = dialect.head.first, dialect.encoding
+    # An encoding error far down must not end in a traceback, nor give two columns one name.
+    options: dict[str, Any] = {
+        "sep": r"\s+" if dialect.separator == " " else dialect.separator, "decimal": dialect.decimal,
+        "encoding_errors": "backslashreplace", "header": None, "names": list(dialect.head.headers),
+        "skipinitialspace": True, "low_memory": False,
+    }  # fmt: skip
     with opened(path) as file:
-        if dialect.encoding == "utf-16":
-            dialect = dialect._replace(encoding="utf-8")
-            file = BytesIO(file.read().decode("utf-16", "backslashreplace").encode())
+        if encoding == "utf-16":
+            file, encoding = BytesIO(file.read().decode(encoding, "backslashreplace").encode()), "utf-8"
         for _ in range(first - 1):
             file.readline()
         while text := file.read() if rows is None else b"".join(islice(file, rows)):
@@ -53,17 +58,7 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
                 kept = [not re.match(SKIPPED, line + b"\n") for line in lines]
                 numbers, text = numbers[kept], b"\n".join(compress(lines, kept))
             if text:
-                yield _finished(pd.read_csv(BytesIO(text), **_options(dialect)), dialect, numbers)
-
-
-def _options(dialect: Dialect) -> dict[str, Any]:
-    separator = r"\s+" if dialect.separator == " " else dialect.separator
-    # An encoding error far down must not end in a traceback, nor give two columns one name.
-    return {
-        "sep": separator, "decimal": dialect.decimal, "encoding": dialect.encoding,
-        "encoding_errors": "backslashreplace", "header": None, "names": list(dialect.head.headers),
-        "skipinitialspace": True, "low_memory": False,
-    }  # fmt: skip
+                yield _finished(pd.read_csv(BytesIO(text), encoding=encoding, **options), dialect, numbers)
 
 
 def _finished(frame: pd.DataFrame, dialect: Dialect, lines: np.ndarray) -> pd.DataFrame:
@@ -134,10 +129,8 @@ def _without_header(
             f"row {lines[first]} has {fault} cells than the header, {width} where {lines[first - 1]} has "
             f"{len(rows[first - 1])}; give each column one header, and commas to either cells or decimals"
         )
-    numbered = tuple(f"column {i}" for i in range(1, width + 1))
-    return Head(
-        numbered, lines[first], ("no line heads the columns: they are called 'column 1', 'column 2' and so on",)
-    )
+    note = "no line heads the columns: they are called 'column 1', 'column 2' and so on"
+    return Head(_headers([""] * width, ()), lines[first], (note,))
 
 
 def _filled(row: Row) -> int:
@@ -177,7 +170,7 @@ def seen(row: Row) -> str:
 
 
 # Cell separators; blanks are any white space.
-SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
+SEPARATORS = (";", "\t", ",", "|", " ")
 # First characters of a comment.
 REMARKS = ("#", "%")
 
