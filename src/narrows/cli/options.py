@@ -272,7 +272,6 @@ def speeds(option: str, text: str) -> np.ndarray:
 
 
 def speed(option: str, text: str) -> float:
-    """Read one speed [m/s]."""
     values = speeds(option, text)
     if values.size != 1:
         raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")

@@ -103,7 +103,6 @@ def eigenvalues_figure(result: Jacobian | LinearSystem) -> Figure:
 
 
 def precision_figure(result: Plan | InformationForecast) -> Figure:
-    """Draw the standard error of each target against the number of runs or transits, and what it is compared with."""
     if isinstance(result, Plan):
         counts, what, usual = tuple(range(1, len(result.runs) + 1)), "runs", result.usual
         words = "as many about the centreline"

@@ -147,7 +147,6 @@ def _matrix(panel: Axes, diagnosis: Diagnosis) -> AxesImage:
 
 
 def comparison_figure(result: Comparison | Explanation) -> Figure:
-    """Draw the error of each table of terms on left-out tests, and of the fit."""
     compared = result.comparison if isinstance(result, Explanation) else result
     rows, names = compared.rows(), [*compared.fits]
     figure, axes = panels(1, len(compared.forces), 0.9 + 0.22 * len(names), sharey=True)

@@ -334,7 +334,6 @@ SCORE_COLUMNS = {
 
 
 def apart_rows(explanation: "Explanation") -> list[dict[str, Any]]:
-    """Return the rows of the model's coefficients and those of these tests."""
     own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
            for name in explanation.fit.terms.names}  # fmt: skip
     return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]

@@ -87,12 +87,10 @@ class Alert:
 
     @property
     def name(self) -> str:
-        """Name of the situation."""
         return SITUATIONS[self.identifier].name
 
     @property
     def holds(self) -> bool:
-        """Whether the condition holds."""
         return self.state in HOLDS
 
     @property

@@ -64,7 +64,6 @@ class Helmsmen:
         self.limit = np.maximum(np.maximum(faded, settings.LEAST_HELM_LIMIT), np.abs(rudder))
 
     def _judge(self, rudder: np.ndarray) -> None:
-        """One step of the filter of the hidden state."""
         self._held = rudder.copy() if self._held is None else self._held
         step = rudder - self._held
         moved = np.abs(step) > settings.RUDDER_MOVES
@@ -139,11 +138,9 @@ class LineOfSight(BaseSummary):
         return dict.fromkeys(names, 1.0) | (dict.fromkeys(("turns", "kicked"), 0.0) if self.driven else {})
 
     def memory(self, start: Named) -> Named:
-        """Return nothing: it looks at the present alone."""
         return {}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the rudder that is held before a time, and that of the law from then on."""
         pace = at.u + at.current
         off = at.psi + at.crab - clip((at.line - at.y) * at.reach, at.approach)
         turn = at.r - at.water("curvature", at.x) * pace

@@ -120,7 +120,6 @@ class BridgeMonitor:
         return BridgeStatus(t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits)
 
     def _forecast(self, messages: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
-        """Return the forecast, or the reason why there is none."""
         if not estimate.ready:
             return None, estimate.notes[-1] if estimate.notes else "No estimate of the ship yet."
         if blind(messages):
@@ -178,7 +177,6 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
 
 
 def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, messages: Messages) -> dict[str, str]:
-    """Return in words which of draft and depth are not those of the model and the chart."""
     ship, words = model.configuration.ship, {}
     depth = float(waterway.section(min(max(estimate["x"], 0.0), waterway.line.length)).depth)
     if messages.draft is not None and abs(messages.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:

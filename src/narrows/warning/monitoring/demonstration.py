@@ -71,7 +71,6 @@ def demonstration() -> Demonstration:
 
 
 def demonstrated_canal() -> Waterway:
-    """Return a canal that is straight and then bends to starboard."""
     s = np.arange(0.0, 6001.0, STEP)
     heading = np.concatenate([[0.0], np.cumsum(np.where(s[1:] > BEND, STEP / RADIUS, 0.0))])
     line = Centreline(np.cumsum(STEP * np.stack([np.sin(heading), np.cos(heading)], axis=1), axis=0))

@@ -35,7 +35,6 @@ COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
 
 
 def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
-    """Return the message of an update: the status, with what may be commanded of its alerts, and the scene."""
     told = status.to_dict()
     for alert, shown in zip(status.alerts, told["alerts"], strict=True):
         may = [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None]
