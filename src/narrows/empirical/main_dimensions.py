@@ -248,9 +248,8 @@ def check_types(ship: object, canal: object, water: object, **parts: object) -> 
     if not isinstance(ship, Ship | Mapping):
         raise InputError(f"ship = {shown(ship)} is no ship; give nw.Ship(length, beam, draft, block_coefficient)")
     types = {"canal": Canal, "water": Water, "propeller": Propeller, "rudder": Rudder, "steering": SteeringGear}
-    given = {"canal": canal, "water": water, **{name: part for name, part in parts.items() if part is not None}}
-    for name, value in given.items():
-        if not isinstance(value, types[name]):
+    for name, value in {"canal": canal, "water": water, **parts}.items():
+        if not isinstance(value, types[name]) and not (name in parts and value is None):
             raise InputError(f"{name} = {shown(value)} is of another type; give nw.{types[name].__name__}(...)")
 
 

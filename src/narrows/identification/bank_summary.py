@@ -10,6 +10,7 @@ from narrows.base.results import interval, readable
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
+from narrows.identification.motions import numbered
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.tables import BARE, table_named
 from narrows.quantities.names import FORCES
@@ -135,9 +136,9 @@ def missing_runs(fit: Fit) -> list[str]:
     off = motions.steady & (motions.features["reach"] > 0.1 * fit.tests.configuration.canal.width / 2)
     fastest = f"{max(round(float(motions.features['speed'][group].mean()), 2) for group in motions.by_speed):g} m/s"
     missing = []
-    if len(set(motions.level("side")[off].tolist())) < 2:
+    if len(set(numbered(motions.features["side"])[off].tolist())) < 2:
         missing.append(f"straight runs off the centreline to both sides at {fastest}")
-    period = np.where(motions.steady, -1, motions.level("period"))
+    period = np.where(motions.steady, -1, numbered(motions.features["period"]))
     if max(len(set(period[group].tolist()) - {-1}) for group in motions.by_speed) < 2:
         missing.append(f"harmonic yaw at two periods or more at {fastest}")
     return missing

@@ -188,8 +188,7 @@ class Tank:
     reach: float | None = None
 
     def __post_init__(self) -> None:
-        numbers = {"run_length": self.run_length, "clearance": self.clearance, "heading": self.heading}
-        for name, values in {**numbers, "speeds": self.speeds, "depths": self.depths, "reach": self.reach}.items():
+        for name, values in vars(self).items():
             for value in () if values is None else np.ravel(values):
                 if not 0 < value < MOST:
                     raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")

@@ -35,10 +35,6 @@ class DistinctMotions:
     def __len__(self) -> int:
         return len(self.members)
 
-    def level(self, feature: str) -> np.ndarray:
-        """Number of the speed, period, depth or side of each motion, (motions,)."""
-        return numbered(self.features[feature])
-
     @property
     def labels(self) -> tuple[str, ...]:
         """Name of each motion: its first test, and its number of repeats."""

@@ -44,8 +44,6 @@ class Centreline:
 
     def __post_init__(self) -> None:
         points = self._points
-        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
-            raise InputError("a centreline needs two points or more, each east and north; add some")
         known = (np.abs(points) < FARTHEST).all(axis=1)
         if not known.all():
             raise InputError(f"point {int(known.argmin())} of the centreline is not finite, or not on earth")
@@ -58,9 +56,12 @@ class Centreline:
     @cached_property
     def _points(self) -> np.ndarray:
         try:
-            return np.asarray(self.points, float)
+            points = np.asarray(self.points, float)
         except (TypeError, ValueError, OverflowError):
-            raise InputError("a centreline needs two points or more, each east and north in metres") from None
+            points = np.empty(0)
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+            raise InputError("a centreline needs two points or more, each east and north in metres; add some")
+        return points
 
     @cached_property
     def _knots(self) -> np.ndarray:
