@@ -3,9 +3,7 @@
 import os
 import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, overload
 
 from narrows.base.errors import InputError, did_you_mean
@@ -19,29 +17,16 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
-class EstimatedShip:
-    ship: Ship
-    canal: Canal
-    kind: str
-    source: str
-    speed: float | None = None  # Service speed [m/s]
-
-
-def _ship_of_row(ship: dict[str, Any], canal: dict[str, Any], speed_knots: float = 0.0, **labels: str) -> EstimatedShip:
-    speed = speed_knots * KNOT or None
-    return EstimatedShip(Ship(**ship), Canal(**canal), speed=speed, **labels)
-
-
 PUBLISHED = Path(__file__).parents[1] / "model" / "published"
-_ROWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-ESTIMATED_SHIPS = MappingProxyType({name: _ship_of_row(**row) for name, row in _ROWS.items()})
+ESTIMATED: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
 
 
-def _estimate(row: EstimatedShip) -> Model:
+def _estimate(name: str, **sizes: float) -> Model:
     from narrows.empirical.main_dimensions import estimate_model  # SciPy's statistics load slowly
 
-    return estimate_model(row.ship, row.canal, kind=row.kind, speed=row.speed)
+    row = ESTIMATED[name]
+    speed = row.get("speed_knots", 0.0) * KNOT or None
+    return estimate_model(Ship(**row["ship"]), Canal(**(row["canal"] | sizes)), kind=row["kind"], speed=speed)
 
 
 @overload
@@ -64,20 +49,19 @@ def published(name: str | None = None) -> "Model | list[str]":
     >>> nw.published("mikkelsen2025_dtc").ship.name
     'DTC 1:89.11'
     """
-    names = [*sorted(path.stem for path in PUBLISHED.glob("*.toml")), *ESTIMATED_SHIPS]
+    names = [*sorted(path.stem for path in PUBLISHED.glob("*.toml")), *ESTIMATED]
     if name is None:
         return names
     if name not in names:
         raise InputError(f"no published model is called {name!r}{did_you_mean(name, names)}")
-    return _estimate(ESTIMATED_SHIPS[name]) if name in ESTIMATED_SHIPS else load_model(PUBLISHED / f"{name}.toml")
+    return _estimate(name) if name in ESTIMATED else load_model(PUBLISHED / f"{name}.toml")
 
 
 def model_named(name: str, width: float | None = None, depth: float | None = None) -> Model:
     """Return a model by its file or name, in a canal of another width and depth [m] if given."""
     changes = {size: value for size, value in (("width", width), ("depth", depth)) if value is not None}
-    if changes and name in ESTIMATED_SHIPS:  # The formulas of an estimate depend on depth.
-        row = ESTIMATED_SHIPS[name]
-        return _estimate(replace(row, canal=replace(row.canal, **changes)))
+    if name in ESTIMATED:  # The formulas of an estimate depend on depth.
+        return _estimate(name, **changes)
     model = load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
     return model.with_canal(**changes) if changes else model
 
@@ -101,7 +85,7 @@ def table_of_ships(names: Iterable[str]) -> "pd.DataFrame":
 
 def _row(name: str, model: Model) -> dict[str, object]:
     ship, terms = model.configuration.ship, model.terms
-    source = ESTIMATED_SHIPS[name].source if name in ESTIMATED_SHIPS else model.source.text
+    source = ESTIMATED[name]["source"] if name in ESTIMATED else model.source.text
     return {
         "ship": ship.name,
         **{size: getattr(ship, size) for size in ("length", "beam", "draft", "block_coefficient")},
