@@ -207,7 +207,8 @@ class Table:
             "model": steered(), "duration": 5.0, "dt": 0.5, "samples": under(3, model=uncertain()),
             "seed": under(1, model=uncertain(), samples=3), **CHOICES, "workers": refused(-1),
             "progress": shown(True), "store": refused(self.ship), "client": refused(object()),
-            "waterway": under(waterway_for("paper"), x=3.0), "controller": under(law, model=steered()), **VARIED,
+            "waterway": under(waterway_for("paper"), x=3.0), "controller": under(law, model=steered()),
+            "hold": under(0.2, model=steered()), **VARIED,
         }  # fmt: skip
         modes = {"bank": False, "y": 0.7, "u": 1.2, "psi": 0.1, "v": 0.1, "r": 0.1, "width": 6.0, "b_bank": 2.0}
         return {
@@ -490,7 +491,12 @@ class Table:
                 answer=lambda _: sorted((path.name, path.read_bytes()) for path in models if path.exists()),
             ),
             "read_waterway": Entry(
-                {"path": self.waterway("paper", "a.geojson")}, {"path": self.waterway("mmg+delta", "b.geojson")}
+                {"path": self.waterway("paper", "a.geojson")},
+                {
+                    "path": self.waterway("mmg+delta", "b.geojson"),
+                    "width": under(9.0, depth=0.5),
+                    "depth": refused(0.5),
+                },
             ),
             "write_waterway": Entry(
                 {"waterway": replace(waterway_for("paper"), origin=(5.0, 52.0)), "path": ways[0]},

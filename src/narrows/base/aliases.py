@@ -14,6 +14,7 @@ import numpy as np
 
 from narrows.base.errors import InputError, near_miss, shown
 
+CANAL = {"width", "depth"}
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -79,9 +80,14 @@ def accept_aliases(function: Function) -> Function:
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
+        canal = {ours: given.pop(name) for name in [*given] if (ours := arguments.of_canal(name, given))}
         given = arguments.renamed(_with_parts(arguments.parameters, names[len(values) :], given))
         values = (*map(arguments.converted, names, values), *values[len(names) :])
         given = {name: arguments.converted(name, value) for name, value in given.items()}
+        if canal and values:
+            values = (values[0].with_canal(**canal), *values[1:])
+        elif canal and given.get("model"):
+            given["model"] = given["model"].with_canal(**canal)
         try:
             return function(*values, **given)
         except TypeError:
@@ -118,6 +124,14 @@ class Arguments:
             elif meant := name_here(name, "other_arguments", self._are_own):
                 raise InputError(f"{self.own} has no argument {name!r}; write {meant}")
         return given
+
+    def of_canal(self, name: str, given: dict[str, Any]) -> str | None:
+        """Return ``width`` or ``depth`` if a name is that of the canal in which the function's model then runs."""
+        # A fleet varies them itself, and a waterway has its own.
+        if not self.model or self.more not in ("", "positions") or given.get("waterway") or self._name_here(name):
+            return None
+        ours = name if name in CANAL else name_here(name, "arguments", CANAL.__contains__)
+        return ours if ours not in self.parameters and name not in self.parameters else None
 
     def converted(self, name: str, value: Any) -> Any:
         """Return the model of a fit or file, and a number that is written with its unit in SI, or degrees."""

@@ -66,8 +66,8 @@ def _names_in(formula: str) -> set[str]:
 
 def _value(value: Any, name: str, *values: Any, **given: Any) -> Any:
     """Return the value of an attribute that is a method elsewhere."""
-    if values or given:
-        why = name_here(name, "why")
+    why = name_here(name, "why")
+    if [of for of in (*values, *given.values()) if not (why and "95 %" in why and of in (0.05, 0.95))]:
         raise InputError(f"{name} takes no arguments here{f': {why}' if why else ''}; write {name}()")
     return value
 
@@ -173,6 +173,13 @@ class Named(dict[str, Any]):
             return getattr(pd.Series(self), name)
 
 
+class Forces(Named):
+    """Forces by name; ``X, Y, N = model.forces(...)`` unpacks their values."""
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self.values())
+
+
 class Coefficients(Named):
     """Values of a model, which do not change in place: its verdicts and covariance would not follow."""
 
@@ -181,6 +188,9 @@ class Coefficients(Named):
 
     __setitem__ = __delitem__ = __setattr__ = __delattr__ = __ior__ = _refuse
     update = pop = popitem = setdefault = clear = _refuse
+
+    def __missing__(self, name: str) -> Any:
+        raise KeyError(f"unknown coefficient {name!r}{did_you_mean(name, self)}")
 
     def __reduce__(self) -> Any:
         return type(self), (dict(self),)

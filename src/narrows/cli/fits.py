@@ -253,9 +253,17 @@ def scale(
     delivery.give(scaled, print_scaled, save=scaled.model.save)
 
 
+def _known_kind(context: Any, parameter: Any, kind: str) -> str:
+    """Return a kind of file; raise for another one, before options are missed."""
+    if kind not in EXPORTERS:
+        kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
+        raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
+    return kind
+
+
 @cli.verb("narrows export c mikkelsen2025_dtc -o dtc.h", needs=OF_WATERWAY)
 def export(
-    kind: Annotated[str, cli.Argument(help=WHAT)],
+    kind: Annotated[str, cli.Argument(help=WHAT, callback=_known_kind)],
     model: cli.ModelFile,
     output: Annotated[Path, cli.Option("--output", "-o", help=WHERE)],
     physics: PhysicsOptions,
@@ -270,9 +278,6 @@ def export(
     """
     from narrows.simulation.initial_state import voyage_defaults
 
-    if kind not in EXPORTERS:
-        kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
-        raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
     exporter = EXPORTERS[kind]
     ship, way = model_named(model), water.read()
     helm = None if hold is None else nw.control.regulator(ship, hold, voyage_defaults(ship).speed, waterway=way)

@@ -275,7 +275,7 @@ def _made(
     file: Path | None, line: Path | None, width: float | None, depth: float | None, reach: float
 ) -> tuple["nw.Waterway", tuple[str, ...]]:
     """Return the waterway of a file, of a line with a width, or of a chart along a line, with notes."""
-    from narrows.waterway.geojson import farthest, read_line, waterway_from_line, with_depth
+    from narrows.waterway.geojson import farthest, read_line, waterway_from_line
 
     if file is None:
         if line is None or width is None or depth is None:
@@ -285,7 +285,7 @@ def _made(
         smoothed = (f"the line is smoothed, by up to {moved:.1f} m: as drawn it bends inside its banks",)
         return result, smoothed * bool(moved > SAME_PLACE)
     if line is None:
-        return nw.read_waterway(file) if depth is None else with_depth(nw.read_waterway(file), depth), ()
+        return nw.read_waterway(file, depth=depth), ()
     from narrows.waterway.from_chart import chart_of_area, read_chart, waterway_from_chart
 
     of_chart = file.suffix == ".000"

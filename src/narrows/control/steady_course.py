@@ -18,7 +18,7 @@ from narrows.codegen.trace import trace_of
 from narrows.control.linear_system import LinearSystem
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
-from narrows.simulation.grid import grid_of, labelled
+from narrows.simulation.grid import AliasedDataset, grid_of, labelled
 from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, check_workers, finite_numbers
 from narrows.simulation.kernel_run import cores, in_threads
@@ -75,7 +75,7 @@ def steady_course(
     columns = {"rudder": (rudder, "rad"), "psi": (psi, "rad"), "v": (v, "m/s")}
     data = {name: (list(grid.sizes), c.reshape(shape), {"units": unit}) for name, (c, unit) in columns.items()}
     notes = (*model.bank_notes, *section_notes(model, {**ship.values(), **values}))
-    courses = xr.Dataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(notes)})
+    courses = AliasedDataset(data, coords=grid.coordinates(), attrs={"notes": "\n".join(notes)})
     return courses.squeeze("vessel") if list(grid.sizes) == ["vessel"] else courses
 
 

@@ -118,7 +118,7 @@ class Fit(BaseResult):
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
         verdicts = {name: verdict.words for name, verdict in self.verdicts.items()}
-        known = self.coefficients, self.covariance, self.data_range, self.tests.source, verdicts
+        known = self.coefficients, self.estimates.covariance, self.data_range, self.tests.source, verdicts
         return Model(self.tests.configuration, self.terms, *known)
 
     @cached_property
@@ -170,12 +170,14 @@ class Fit(BaseResult):
         return tuple(one for part in parts for one in predictiveness(part))
 
     @property
-    def covariance(self) -> np.ndarray:
-        """Covariance (n, n) of the coefficients within their bounds, as in ``terms.names``.
+    def covariance(self) -> "pd.DataFrame":
+        """Covariance (n, n) of the coefficients within their bounds, by their names.
 
         Ensembles and the envelope draw from it; it is zero for coefficients held at a bound.
         """
-        return self.estimates.covariance
+        import pandas as pd
+
+        return pd.DataFrame(self.estimates.covariance, self.terms.names, self.terms.names)
 
     @cached_property
     def std(self) -> dict[str, float]:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.base.aliases import accept_aliases
+from narrows.base.aliases import CANAL, accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
-from narrows.base.results import BaseResult, Coefficients, Named
+from narrows.base.results import BaseResult, Coefficients, Forces
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.model.tables import without_bank
@@ -143,6 +143,9 @@ class Model(Configured, Operations):
         table = f"{len(self.terms)} coefficients of the terms {self.terms.name}"
         return f"{self.configuration.summary()}.\n{table}{self.source.text and f'; {self.source.text}'}."
 
+    def __str__(self) -> str:
+        return f"{self.summary()}\n\n{self.to_dataframe().dropna(axis=1, how='all')}"
+
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the coefficients as a table: one row each, with value, std, unit and verdict."""
         import pandas as pd
@@ -175,6 +178,9 @@ class Model(Configured, Operations):
     def with_coefficients(self, changes: Mapping[str, float] = MappingProxyType({}), /, **values: float) -> "Model":
         """Return the model with some coefficients changed, given by name as a mapping ``changes`` or as ``values``."""
         values = {**changes, **values}
+        if sizes := values.keys() & CANAL:
+            to_depth = "with_canal(...), or nw.at_depth(model, depth) for the coefficients of another depth"
+            raise InputError(f"{sizes.pop()} is a size of the canal, no coefficient; write {to_depth}")
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
 
@@ -203,7 +209,7 @@ class Model(Configured, Operations):
         positions = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: value for name, value in positions.items() if value is not None})
         try:
-            return Named({force: self._sum(terms, values) for force, terms in self.terms.forces.items()})
+            return Forces({force: self._sum(terms, values) for force, terms in self.terms.forces.items()})
         except ZeroDivisionError:
             raise InputError("terms of this model divide by the speed; give u over 0") from None
 

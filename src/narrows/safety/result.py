@@ -121,6 +121,13 @@ class SafeEnvelope(BaseResult):
         speeds = self._speeds(self.safe(), 1)
         return speeds if y is None else speeds.interp(y=y)
 
+    def largest_offset(self, u: float | None = None) -> xr.DataArray:
+        """Return the largest offset safe to both sides at each speed [m], NaN if there is none; or at ``u`` [m/s]."""
+        safe, size = self.safe(), abs(self.data["y"])
+        nearest = size.where(~safe).min("y").fillna(np.inf)
+        offsets = size.where(safe & (size < nearest)).max("y").assign_attrs(units="m")
+        return offsets if u is None else offsets.interp(u=u)
+
     def lowest_speed(self) -> xr.DataArray:
         """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win."""
         return self._speeds(self.safe(), 0)

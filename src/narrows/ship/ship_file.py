@@ -26,7 +26,8 @@ def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configu
     if isinstance(source, Mapping):
         return configuration_from(source, "ship", actuators)
     if isinstance(source, Ship):
-        raise InputError("ship is a Ship without a canal; give nw.Configuration(ship, nw.Canal(width)) [m]")
+        known = "tests.configuration, model.configuration or nw.Configuration(ship, nw.Canal(width))"
+        raise InputError(f"ship is a Ship without a canal; give {known} [m]")
     return read_ship(path_of("ship", source), actuators)
 
 

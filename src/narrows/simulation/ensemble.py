@@ -13,14 +13,13 @@ import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, path_of
 from narrows.base.progress import bar
-from narrows.base.results import answer
 from narrows.codegen.free_motion import OPEN, Surge
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation import settings
-from narrows.simulation.grid import Grid, attributes_of, empty_of, grid_of, labelled, run_into, sizes_of
+from narrows.simulation.grid import AliasedDataset, Grid, attributes_of, empty_of, grid_of, labelled, run_into, sizes_of
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
@@ -38,8 +37,8 @@ def ensemble(
     model: Model, *, duration: float | None = None, dt: float | None = None, samples: int = 0, seed: int = 0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", waterway: "Waterway | None" = None,
-    controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
-    client: Any = None, bottom: bool = True, **vary: Any,
+    controller: Any = None, hold: float | None = None, workers: int | None = None, progress: bool = False,
+    store: str | Path | None = None, client: Any = None, bottom: bool = True, **vary: Any,
 ) -> "Fleet":  # fmt: skip
     """Simulate a voyage for every combination of the varied quantities.
 
@@ -55,6 +54,8 @@ def ensemble(
         As for ``simulate`` [kg, m].
     controller : ControlLaw, optional
         A law in arithmetic that gives orders each step; its numbers may be DataArrays.
+    hold : float [m], optional
+        As for ``simulate``: the default helm of each speed.
     workers, progress : int, bool
         Threads, all cores unless given, which do not change the result; show a bar on stderr.
     store : str or Path, optional
@@ -84,8 +85,10 @@ def ensemble(
     check_workers(workers)
     check_waterway(waterway)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
-    steering = steering_of(controller, ship.actuators, single=False)
     defaults = voyage_defaults(model)
+    if hold is not None:
+        controller = _helm(model, hold, controller, vary.get("u", defaults.speed), waterway)
+    steering = steering_of(controller, ship.actuators, single=False)
     plain = grid_of(model, {"u": defaults.speed, **vary}, samples, seed)
     defaults = voyage_defaults(model, plain.values["u"])
     duration, dt = defaults.duration if duration is None else duration, defaults.dt if dt is None else dt
@@ -112,6 +115,24 @@ def ensemble(
     fleet = Fleet(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)
     fleet._model, fleet._waterway = model, waterway
     return fleet
+
+
+def _helm(model: Model, hold: float, controller: Any, u: Any, waterway: "Waterway | None") -> Any:
+    """Return the default helm for each speed ``u`` as one law, its numbers over the dimension of the speeds."""
+    if controller is not None:
+        raise InputError("hold is the line of the default helm; leave it or the controller out")
+    speeds = u if isinstance(u, xr.DataArray) else xr.DataArray(u, dims=["u"] * np.ndim(u))
+    laws = [narrows.control.regulator(model, hold, float(one), waterway=waterway) for one in speeds.values.flat]
+
+    def over(own: list[Any]) -> Any:
+        if isinstance(own[0], tuple):
+            return tuple(over(list(numbers)) for numbers in zip(*own, strict=True))
+        return speeds.copy(data=np.reshape(own, speeds.shape))
+
+    lines = [law.lines[0] for law in laws]
+    parts = {name: over([getattr(line, name) for line in lines]) for name in vars(lines[0]) if name != "start"}
+    own = {name: over([getattr(law, name) for law in laws]) for name in ("u", "lead", "unwinding")}
+    return replace(laws[0], lines=(replace(lines[0], **parts),), **own)
 
 
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:
@@ -256,7 +277,7 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     }  # fmt: skip
 
 
-class Fleet(xr.Dataset):  # type: ignore[misc]
+class Fleet(AliasedDataset):
     """The result of ``ensemble``: an xarray Dataset whose ``plot()`` draws where the ships ground.
 
     ``plot.scatter`` and the like are xarray's. A part of it (``isel``, ``where``) is a fleet without its model: its map
@@ -270,16 +291,6 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
     """
 
     __slots__ = ("_model", "_waterway")
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            try:
-                return super().__getattr__(name)
-            except AttributeError:
-                if name.startswith("_"):
-                    raise
-                return answer(self, name, [str(own) for own in self.variables])
 
     def __getitem__(self, key: Any) -> Any:
         found = super().__getitem__(key)

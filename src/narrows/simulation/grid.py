@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import starmap
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
 import numpy as np
@@ -17,6 +17,7 @@ import xarray as xr
 
 from narrows.base.errors import InputError, check_count, did_you_mean, needs, reason, shown
 from narrows.base.progress import bar
+from narrows.base.results import answer
 from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES, PARTICULARS
@@ -26,6 +27,22 @@ from narrows.simulation.inputs import START, STEADY
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import KINDS, WAYS
 from narrows.simulation.settings import MOST_SAMPLES, TASK_VESSELS
+
+
+class AliasedDataset(xr.Dataset):  # type: ignore[misc]
+    """An xarray Dataset that answers to the names of other libraries."""
+
+    __slots__ = ()
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_"):
+                    raise
+                return answer(self, name, [str(own) for own in self.variables])
 
 
 @dataclass(frozen=True)

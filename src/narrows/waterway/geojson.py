@@ -37,8 +37,8 @@ CURRENT = ("current", "current_across", "current_shear")
 
 
 @accept_aliases
-def read_waterway(path: str | Path) -> Waterway:
-    """Read a waterway.
+def read_waterway(path: str | Path, width: float | None = None, depth: float | None = None) -> Waterway:
+    """Read a waterway, or make one of constant width and depth along a line.
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
     looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
@@ -56,7 +56,18 @@ def read_waterway(path: str | Path) -> Waterway:
     ----------
     path : str or Path
         GeoJSON, longitude before latitude or UTM; or KML, a shapefile, GeoPackage or GML with the extra ``charts``.
+    width, depth : float [m], optional
+        With a width, of a file with the centreline alone; a depth is that of a file without one.
     """
+    if width is not None:
+        if depth is None:
+            raise InputError(f"a canal of one width along {path} needs a depth; give depth=... [m]")
+        return waterway_from_line(read_line(path), width, depth, Path(path).stem)
+    way = _read(path)
+    return way if depth is None else with_depth(way, depth)
+
+
+def _read(path: str | Path) -> Waterway:
     found = _lines(read_features(Path(path)), str(path))
     points = [coordinates(one, f"{path}: the {one.role or 'line'}") for one in found]
     try:
@@ -110,7 +121,7 @@ def farthest(waterway: Waterway, points: np.ndarray) -> float:
 def with_depth(waterway: Waterway, depth: float) -> Waterway:
     """Return a waterway with one depth [m], if it has none."""
     if waterway.depths is not None:
-        raise InputError(f"{waterway.name} has depths of its own; leave --depth out")
+        raise InputError(f"{waterway.name} has depths of its own; leave the depth out")
     if not 0 < depth < FARTHEST:
         raise InputError(f"a depth of {depth:g} m is none of a waterway; give metres over 0")
     return replace(waterway, depths=(np.array([0.0, waterway.line.length]), np.full(2, depth)))
