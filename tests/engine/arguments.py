@@ -495,7 +495,7 @@ class Table:
                 {
                     "path": self.waterway("mmg+delta", "b.geojson"),
                     "width": under(9.0, depth=0.5),
-                    "depth": refused(0.5),
+                    "depth": 0.5,
                 },
             ),
             "write_waterway": Entry(
