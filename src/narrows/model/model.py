@@ -176,7 +176,10 @@ class Model(Configured, Operations):
         narrows.save_model(self, path)
 
     def with_coefficients(self, changes: Mapping[str, float] = MappingProxyType({}), /, **values: float) -> "Model":
-        """Return the model with some coefficients changed, given by name as a mapping ``changes`` or as ``values``."""
+        """Return the model with some coefficients changed, given by name as a mapping ``changes`` or as ``values``.
+
+        Raises an InputError for another name.
+        """
         values = {**changes, **values}
         if sizes := values.keys() & CANAL:
             to_depth = "with_canal(...), or nw.at_depth(model, depth) for the coefficients of another depth"
