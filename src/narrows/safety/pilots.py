@@ -215,7 +215,6 @@ def whole_degrees(angle: Any) -> Any:
     return choice(angle, degrees, -degrees) * DEGREE
 
 
-KEPT = ("rudder", "held", "known")
 # Names of the columns: disturbances, numbers of the pilot, gains of one with the true coefficients.
 OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
 Columns = Mapping[str, Any]
@@ -233,8 +232,7 @@ def trials(
     # the revolutions of its speed straight ahead, and the speed follows. There are two pilots: one designed for the
     # best estimate of the coefficients, with its first tuning, and one with the drawn coefficients.
     check_count("samples", samples)
-    if samples * len(y) * len(u) > MOST_TRIALS:
-        points = samples * len(y) * len(u)
+    if (points := samples * len(y) * len(u)) > MOST_TRIALS:
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
     thrown = disturbance.drawn(samples, seed)
     along = xr.DataArray(np.zeros(samples), dims="sample")
@@ -252,7 +250,8 @@ def trials(
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
     sailing = replace(ship, surge="free") if model.terms.propelled else ship
     trial = _Trial(sailing, pilot, disturbance.gust_time, walls, bend, workers)
-    whole, kept = Grid({**grid.values, **extra}, grid.sizes), {n: np.empty(tuple(grid.sizes.values())) for n in KEPT}
+    whole = Grid({**grid.values, **extra}, grid.sizes)
+    kept = {name: np.empty(tuple(grid.sizes.values())) for name in ("rudder", "held", "known")}
     with bar(whole.vessels, progress) as advance:
         for block in whole.blocks(TRIAL_BLOCK):
             values, shape = whole.flat(block)

@@ -42,6 +42,9 @@ def ensemble(
 ) -> "Fleet":  # fmt: skip
     """Simulate a voyage for every combination of the varied quantities.
 
+    The ``Fleet`` has outcome, grounded, side, time [s], distance [m] and the state at the end, over the varied
+    dimensions. After an interruption it holds the finished voyages, and ``complete`` is 0.
+
     Raises an InputError if a name is unknown, a value does not fit, or a cluster has no store.
 
     Parameters
@@ -68,13 +71,6 @@ def ensemble(
         Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
         particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
         by name. A sequence is a dimension of that name; DataArrays that share a dimension vary together.
-
-    Returns
-    -------
-    Fleet
-        An xarray Dataset whose ``plot()`` draws the map: outcome, grounded, side, time [s], distance [m] and the state
-        at the end, over the varied dimensions. After an interruption it holds the finished voyages, and ``complete`` is
-        0.
 
     Examples
     --------

@@ -12,10 +12,8 @@ from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST
 from narrows.simulation.settings import MOST_EXTENT, MOST_POINTS, MOST_WORKERS
 
-# Default state at the start.
+# Default state at the start; sinkage and rudder angle, constant through a voyage.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
-
-# Sinkage and rudder angle, constant through a voyage.
 STEADY = {"heave": 0.0, "rudder": 0.0}
 
 # Hull points that meet a bank, unless an outline is given.

@@ -41,9 +41,7 @@ class Channel:
     # A straight canal has no table.
     table: np.ndarray = field(default_factory=partial(np.zeros, 16))  # Table of a waterway, one row per cell
     track: np.ndarray = field(default_factory=partial(np.zeros, 27))  # Nodes of line and banks, for the exact clearance
-    outline: np.ndarray = field(
-        default_factory=partial(np.zeros, 6)
-    )  # Points of the hull, forward and starboard alternating [m]
+    outline: np.ndarray = field(default_factory=partial(np.zeros, 6))  # Points of the hull: forward, starboard, ... [m]
     start: float = -math.inf  # Start of the line; infinite in a straight canal [m]
     length: float = math.inf  # Length of the line; infinite in a straight canal [m]
     # (vessels or nodes,) True if too little water ends a voyage by choking of the section

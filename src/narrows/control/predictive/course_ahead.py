@@ -52,10 +52,6 @@ class WaterAhead:
     step: float  # Length of a cell [m]
     section: tuple[str, ...] = ("width", "depth")  # Inputs of the terms; none for the model's own canal
 
-    @property
-    def length(self) -> float:
-        return self.step * (len(self.nodes) - 1)
-
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
         rows = compiled_loops(plan_loops).interpolate(self.nodes, self.step, x)
         return dict(zip(COLUMNS, rows.T, strict=True))
@@ -205,8 +201,9 @@ def steady_track(
 ) -> SteadyTrack:
     """Find the steady courses along a line, at the offset and nearer to the middle, where less rudder is needed."""
     length = ship.model.configuration.ship.length
-    count = int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
-    places = np.linspace(0.0, water.length, count)
+    whole = water.step * (len(water.nodes) - 1)
+    count = int(min(max(PLACES_A_LENGTH * whole / length, 2), MOST_PLACES))
+    places = np.linspace(0.0, whole, count)
     there = water.at(places)
     # The offset, or the nearest one with clearance on both sides; the middle if there is none.
     reach = ship.model.configuration.ship.beam / 2 + margin
