@@ -254,7 +254,8 @@ class Fit(BaseResult):
 
         Or at those of other ``tests``, read for a ``ship`` where they were not read yet.
         """
-        return self._rows(self._or_own(tests, ship), measured=False)
+        read = self.tests if tests is None else as_tests(tests, ship, self.tests.configuration)
+        return self._rows(read, measured=False)
 
     @property
     def residuals(self) -> "pd.DataFrame":
@@ -263,8 +264,10 @@ class Fit(BaseResult):
 
     def score(self, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other ``tests``, read for a ``ship`` where they were not read yet."""
-        own, balance = self.normal_equations, self.normal_equations.balance
-        equations = own if tests is None else accumulate(self._or_own(tests, ship), self.terms, balance=balance)[0]
+        equations = self.normal_equations
+        if tests is not None:
+            read = as_tests(tests, ship, self.tests.configuration)
+            equations, _ = accumulate(read, self.terms, balance=equations.balance)
         return score(equations, equations.total, self.terms, self.coefficients)
 
     def plot_residuals(self, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
@@ -350,9 +353,6 @@ class Fit(BaseResult):
     @property
     def _known(self) -> tuple[NormalEquations, DistinctMotions, Problem, RunErrors, Configuration]:
         return self.normal_equations, self.motions, self.problem, self.errors, self.tests.configuration
-
-    def _or_own(self, tests: Any, ship: ShipSource | None) -> Tests:
-        return self.tests if tests is None else as_tests(tests, ship, self.tests.configuration)
 
     def _rows(self, tests: Tests, measured: bool) -> "pd.DataFrame":
         """Forces of each row as estimated, or what was measured beyond that."""

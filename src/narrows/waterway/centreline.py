@@ -271,14 +271,6 @@ def profile_at(profile: Profile, s: np.ndarray | float) -> np.ndarray:
     return np.full(np.shape(s), profile)
 
 
-def current_words(along: np.ndarray, across: Profile, shear: Profile, s: np.ndarray) -> list[str]:
-    columns = (
-        (along, "current", "m/s"), (profile_at(across, s), "current across", "m/s"),
-        (profile_at(shear, s), "shear of the current", "1/s"),
-    )  # fmt: skip
-    return [f"{name} {extent(column)} {unit}" for column, name, unit in columns if column.any()]
-
-
 def extent(values: np.ndarray) -> str:
     """Return the lowest and highest, once if they are equal."""
     return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (float(np.nanmin(values)), float(np.nanmax(values)))))

@@ -13,7 +13,7 @@ from narrows.base.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.bank_clearance import GAUSS
 from narrows.waterway.banks import Bank
-from narrows.waterway.centreline import Centreline, Profile, checked_profile, current_words, extent, profile_at
+from narrows.waterway.centreline import Centreline, Profile, checked_profile, extent, profile_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -157,7 +157,11 @@ class Waterway(BaseSummary):
             "straight" if sharpest is None else
             "sharpest bend of {0:.3g} m radius over {2:.3g} m at {1:.0f} m".format(*sharpest),
         ]  # fmt: skip
-        parts += current_words(self.current_at(s), self.current_across, self.current_shear, s)
+        columns = {
+            "current {} m/s": self.current_at(s), "current across {} m/s": profile_at(self.current_across, s),
+            "shear of the current {} 1/s": profile_at(self.current_shear, s),
+        }  # fmt: skip
+        parts += [words.format(extent(column)) for words, column in columns.items() if column.any()]
         return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}"
 
     @property
