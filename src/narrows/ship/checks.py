@@ -45,11 +45,7 @@ RULES = (
         lambda value, *astern: (value >= 0) | (sum(map(abs, astern)) > 0),
         f"{{revolutions}}: {AHEAD_ONLY}",
     ),
-    Rule(
-        ("block_coefficient",),
-        lambda value: value <= 1,
-        "{block_coefficient} is over 1; it is a fraction, such as 0.65",
-    ),
+    Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction, as 0.65"),
     Rule(("limit_deg",), lambda value: value <= 90, "{limit_deg} is beyond 90 degrees; check it"),
     *(
         Rule((name,), lambda value: value >= 0, f"{{{name}}} is negative; give a number from 0")
@@ -61,11 +57,7 @@ RULES = (
         lambda value: (value >= 0) & (value < 1),
         "{propeller_wake} is no fraction; give one from 0 to less than 1",
     ),
-    Rule(
-        ("beam", "width"),
-        operator.lt,
-        "{beam} m does not fit in {width} m; check both, in metres and at one scale",
-    ),
+    Rule(("beam", "width"), operator.lt, "{beam} m does not fit in {width} m; check both, in metres and at one scale"),
     Rule(("draft", "beam"), operator.le, "{draft} m is more than {beam} m; check both, in metres and at one scale"),
     Rule(("draft", "depth"), operator.lt, "{depth} m leaves no water under {draft} m; check both"),
 )
@@ -79,7 +71,8 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
         check_number(places[name], value)
     for rule in RULES:
         if all(name in known for name in rule.asks):
-            check_rule(rule, known, places)
+            asked = {name: known[name] for name in rule.asks}
+            check_rule(rule.right(*asked.values()), rule.sentence, asked, places)
 
 
 def check_ahead(revolutions: Number | None, propeller: Any) -> None:
@@ -108,11 +101,6 @@ def check_angles(values: Mapping[str, Any]) -> None:
             )
 
 
-def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
-    asked = {name: values[name] for name in rule.asks}
-    _check(rule.right(*asked.values()), rule.sentence, asked, places)
-
-
 def place_of(name: str) -> str:
     """Return the section and key of a particular of ship, canal or water in a file."""
     return f"[{SECTIONS.get(name, 'ship')}] {name}"
@@ -124,8 +112,8 @@ def check_number(location: str, value: object) -> None:
     finite = np.isfinite(known) if hasattr(value, "dims") else is_finite(value)
     if finite is True and abs(known) < LARGEST:  # A plain number, in a twentieth of the time of a column
         return
-    _check(finite, "{} is not a finite number; give it in SI units", {"": value}, {"": location})
-    _check(abs(known) < LARGEST, "{} is beyond all measure; check its unit", {"": value}, {"": location})
+    check_rule(finite, "{} is not a finite number; give it in SI units", {"": value}, {"": location})
+    check_rule(abs(known) < LARGEST, "{} is beyond all measure; check its unit", {"": value}, {"": location})
 
 
 def check_sizes(thing: object, over: Collection[str] = (), names: Iterable[str] = ()) -> None:
@@ -147,11 +135,12 @@ def is_finite(value: object) -> bool:
         return False
 
 
-def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping[str, str]) -> None:
+def check_rule(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping[str, str]) -> None:
+    """Raise the sentence with places and values, if a rule is broken: for a column with the place of the first hit."""
     if np.all(right):
         return
     at: dict[str, int] = {}
-    if hasattr(right, "dims"):  # Place of the first hit, by dimension
+    if hasattr(right, "dims"):
         first = np.unravel_index(int(np.argmin(right.to_numpy())), right.shape)
         at = {str(name): int(index) for name, index in zip(right.dims, first, strict=True)}
     words = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}

@@ -22,7 +22,7 @@ from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES, PARTICULARS
 from narrows.ship.actuators import STANDARD, particulars_with, places_of
-from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
+from narrows.ship.checks import check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import START, STEADY
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import KINDS, WAYS
@@ -116,8 +116,8 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
     for term in (one for one in model.terms.terms if one.name in columns):
         name, (low, high), value = term.name, term.bound, columns[term.name]
         for right, side in ((value >= low, f"below the {low:g}"), (value <= high, f"above the {high:g}")):
-            rule = Rule((name,), lambda _, right=right: right, f"{{{name}}} is {side} that its term allows; keep to it")
-            check_rule(rule, {name: value}, {name: f"coefficient {name}"})
+            sentence = f"{{{name}}} is {side} that its term allows; keep to it"
+            check_rule(right, sentence, {name: value}, {name: f"coefficient {name}"})
     return Grid(values, sizes or {"vessel": 1})
 
 
