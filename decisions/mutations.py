@@ -182,14 +182,21 @@ def tests_naming(word: re.Pattern[str]) -> Iterator[str]:
 
 
 def tests_importing(mutation: Mutation) -> Iterator[str]:
-    """The tests of the files that name the function of a mutation and its module: compiled lines are not recorded."""
-    module = re.compile(rf"\b{mutation.path.stem}\b")
+    """The tests of the files that name the module of a mutation and its function: lines of import and compiled ones.
+
+    Which test runs those is not recorded.
+    """
     top = ast.parse(text_of(mutation.path)).body
-    functions = [n.name for n in top if isinstance(n, ast.FunctionDef) and n.lineno <= mutation.line <= n.end_lineno]
-    for path in sorted((ROOT / "tests").rglob("test_*.py")) if functions else []:
-        if module.search(text := path.read_text("utf-8")) and re.search(rf"\b{functions[0]}\b", text):
-            named = [n.name for n in ast.parse(text).body if isinstance(n, ast.FunctionDef)]
-            yield from (f"{path.relative_to(ROOT).as_posix()}::{name}" for name in named if name.startswith("test_"))
+    inside = [node for node in top if node.lineno <= mutation.line <= node.end_lineno]
+    if any(isinstance(node, ast.ClassDef) for node in inside):
+        return
+    package = ".".join(["narrows", *mutation.path.parts[:-1]])
+    names = [package, mutation.path.stem, *(node.name for node in inside if isinstance(node, ast.FunctionDef))]
+    for path in sorted((ROOT / "tests").rglob("test_*.py")):
+        text = path.read_text("utf-8")
+        if all(re.search(rf"\b{name}\b", text) for name in names):
+            tests = [n.name for n in ast.parse(text).body if isinstance(n, ast.FunctionDef)]
+            yield from (f"{path.relative_to(ROOT).as_posix()}::{name}" for name in tests if name.startswith("test_"))
 
 
 class Coverage:
@@ -207,15 +214,16 @@ class Coverage:
     def tests_of(self, mutation: Mutation) -> list[str]:
         """Tests of the mutated lines, the quickest first.
 
-        With those of the files that import its function. Where the lines run at import: of the lines that have the
-        assigned name, and those that name it, else of the file. Where they are compiled: of the files that import it.
+        With those of the files that name its module and function. Where the lines run at import: of the lines that
+        have the assigned name, and those that name it, else of the file. Where they are compiled: of the files that
+        import it.
         """
         by_line, names = self._tests(mutation.path), assigned_at(mutation)
-        here = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
-        here |= set(tests_importing(mutation))
-        if not here and names:
+        ran = {test for line in range(mutation.line, mutation.end + 1) for test in by_line.get(line, ())}
+        here = ran | set(tests_importing(mutation))
+        if names and not ran:
             word = re.compile(rf"\b({'|'.join(names)})\b")
-            here = {test for path in map(Path, self.files) for test in self._tests_with(word, path)} | set(
+            here |= {test for path in map(Path, self.files) for test in self._tests_with(word, path)} | set(
                 tests_naming(word)
             )
         here = here or {test for tests in by_line.values() for test in tests}
