@@ -115,7 +115,9 @@ def test_a_heading_that_is_off_is_wrong_as_it_moves_the_bank() -> None:
     spoilt = [off(np.radians(12.0), "psi")(record) for record in transits()]
     found = nw.check_log(spoilt, large_container_ship())
     assert [(own.check, own.record, own.wrong) for own in found] == [("psi zero", ALL, True)]
-    assert np.degrees(found.findings[0].evidence["size"]) == pytest.approx(12.0, abs=4.0)
+    size = float(np.degrees(found.findings[0].evidence["size"]))
+    assert size == pytest.approx(12.0, abs=4.0)
+    assert f"psi reads {size:.1f} " in str(found.findings[0])
 
 
 def test_a_rudders_sign_is_found_in_a_transit() -> None:

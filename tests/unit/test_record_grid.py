@@ -190,6 +190,16 @@ def test_along_a_bend_the_yaw_rate_is_that_of_heading_and_line() -> None:
     np.testing.assert_allclose(guess[22:, 5], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("seconds", [8.0, 9.0, 10.0])
+def test_a_first_guess_of_a_short_record_is_a_line(seconds: float) -> None:
+    t = np.arange(0.0, seconds + 0.25, 0.25)
+    signals = {"x": 5.0 * t, "y": 0.2 * t, "psi": 0.01 * t}
+    record = nw.ShipRecord("A", {name: nw.Signal(t, values) for name, values in signals.items()})
+    guess = first_guess(grid_of(record, 1.0, {}), None)
+    np.testing.assert_allclose(guess[2:-2, 2], 0.01 * np.arange(2, len(guess) - 2), atol=2e-3)
+    np.testing.assert_allclose(guess[2:-2, 5], 0.01, atol=2e-3)
+
+
 def test_a_spike_does_not_move_a_first_guess() -> None:
     t = np.arange(0.0, 40.0)
     spiked = np.where(t == 20.0, 50.0, 0.0)
