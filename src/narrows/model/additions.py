@@ -158,10 +158,10 @@ def _at_each(term: Term, knots: list[float]) -> list[Term]:
 def _near(term: Term, knots: list[float], i: int) -> Callable[..., Number]:
     """The regressor times a hat function of depth: 1 at its knot, 0 at the neighbours."""
     asks = tuple(dict.fromkeys((*term.inputs, DEPTH)))
-    depth_at, count = asks.index(DEPTH), len(term.inputs)
 
     def regressor(*values: Number) -> Number:
-        return term.regressor(*values[:count]) * _share(values[depth_at], knots, i)
+        at = dict(zip(asks, values, strict=True))
+        return term.column(at) * _share(at[DEPTH], knots, i)
 
     regressor.inputs = asks  # type: ignore[attr-defined]
     return regressor

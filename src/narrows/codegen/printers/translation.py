@@ -234,14 +234,11 @@ class Translation:
         return [f"    {line}" for node in nodes for line in self.statement(node)]
 
     def _at_once(self, targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> Iterator[str]:
-        """Assign several numbers at once; temporaries where one is both written and read."""
-        names, texts = [self.expression(one) for one in targets], [self.expression(one) for one in values]
-        if _names(targets) & _names(values):
-            first, self.held_numbers = self.held_numbers, self.held_numbers + len(texts)
-            held = [f"held_{number}" for number in range(first, self.held_numbers)]
-            yield from (self.HELD.format(name, text) for name, text in zip(held, texts, strict=True))
-            texts = held
-        yield from (f"{name} = {text};" for name, text in zip(names, texts, strict=True))
+        """Assign several numbers at once, by temporaries: one may be both written and read."""
+        first, self.held_numbers = self.held_numbers, self.held_numbers + len(values)
+        held = [f"held_{number}" for number in range(first, self.held_numbers)]
+        yield from (self.HELD.format(name, self.expression(one)) for name, one in zip(held, values, strict=True))
+        yield from (f"{self.expression(one)} = {name};" for name, one in zip(held, targets, strict=True))
 
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
         yield f"[{', '.join(map(self.expression, targets))}] = {self.expression(call)};"
@@ -256,7 +253,3 @@ def _is_new_array(value: ast.expr) -> bool:
 
 def parts_of(node: ast.expr) -> list[ast.expr]:
     return node.elts if isinstance(node, ast.Tuple) else [node]
-
-
-def _names(nodes: Sequence[ast.AST]) -> set[str]:
-    return {one.id for node in nodes for one in ast.walk(node) if isinstance(one, ast.Name)}
