@@ -225,10 +225,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),
-    "nw.squat(u=[...])": (
-        lambda: nw.squat(nw.published("estimated_kcs"), [3.0, 5.0]),  # type: ignore[arg-type]
-        "call squat for each",
-    ),
     "model.replace(depth=)": (lambda: DTC.replace(depth=0.4), r"with_canal\(...\), or nw.at_depth\(model, depth\)"),
     "model.coefficients[a name of another table]": (lambda: KCS.coefficients["b_bank"], "did you mean 'Y_bank'"),
     "nw.read_captive(df, ship=tests.ship)": (
@@ -499,6 +495,8 @@ voyage = nw.simulate(kcs, y=40.0, u=5.0, hold=0.0, duration=200.0); assert abs(h
 assert nw.ensemble(kcs, u=4.0, draws=2, hold=0.0, duration=9.0).sizes == {"sample": 2}
 assert nw.simulate(pub, width=9.0, duration=1.0) == nw.simulate(pub.with_canal(width=9.0), duration=1.0)
 env = nw.envelope(kcs, width=300.0, depth=16.0, y=[-9.0, 0.0, 9.0], u=[4.0, 5.0]); assert env.max_offset(u=4.5) == 9.0
+sunk = nw.squat(kcs, u=np.arange(1.0, 5.0)); assert sunk.sinkage[3] == nw.squat(kcs, 4.0).sinkage and len(sunk.df) == 4
+assert sunk.bow[3] == nw.squat(kcs, 4.0).bow and str(sunk) and len(fit.plot_fit().axes) == 3
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
@@ -591,10 +589,11 @@ def test_numbers_of_the_command_line_have_units(cli: Callable[..., tuple[int, st
     assert plain == cli(*start, "20s", "--y", "5 m", "--rudder-deg", "2deg", "--json")
     assert plain[0] == 0
     for words, told in {
-        "zigzag estimated_kcs --angle 10": "write --zigzags 10/10", "monitor full.toml --input a.nmea": "--replay FILE",
+        "zigzag estimated_kcs --angle-deg 10": "write --zigzags 10/10",
+        "monitor full.toml --file a.nmea": "--replay FILE",
         "monitor full.toml --udp 10110": "--listen udp://:10110",
-        "monitor full.toml --nmea tcp://ship:10110 --page": "--listen udp://:10110, tcp://HOST:PORT",
-        "turn full.toml --rudder 35": "write --turn-deg 35", "linear full.toml --y 20": "nw.linearize(model, y=, u=)",
+        "monitor full.toml --serial /dev/ttyS0": "--listen udp://:10110, tcp://HOST:PORT",
+        "linear full.toml --y 20": "nw.linearize(model, y=, u=)",
         "export simulink full.toml": "no kind 'simulink'; choose bank-force", "estimate --ship panamax": "and --type",
         "identify a.csv --bank-form distance": r"--terms paper+distance",
     }.items():  # fmt: skip
@@ -608,7 +607,7 @@ def test_verbs_show_a_model_and_its_zigzags_under_other_names(cli: Callable[...,
     shown = json.loads(cli("show", "estimated_kcs", "--json")[1])
     assert [row["ship"] for row in shown["ships"]] == ["KCS"]
     assert shown["notes"]
-    code, out, err = cli("zigzag", "yasukawa2015_kvlcc2", "--speed", 1.179, "--zigzags", "10/10")
+    code, out, err = cli("zigzag", "yasukawa2015_kvlcc2", "--speed", 1.179, "--angle", 10, "--rudder", 20)
     assert code == 0, err
     assert "10/10" in out
 

@@ -56,11 +56,14 @@ def _option_here(word: str, command: click.Command) -> str:
     name, equals, value = word.partition("=")
     known = {option for parameter in command.params for option in parameter.opts}
     plain = name.removeprefix("--").replace("-", "_")
-    groups = [{ours, *theirs} for ours, theirs in aliases("arguments").items() if plain in (ours, *theirs)]
-    if name[:2] == "--" and name not in known and (meant := name_here(plain, "other_options")):
+    if name[:2] != "--" or name in known:
+        return word
+    rows = [*aliases("arguments").items(), *aliases("options").items()]
+    groups = [{ours, *theirs} for ours, theirs in rows if plain in (ours, *theirs)]
+    same = {f"--{one.replace('_', '-')}" for group in groups for one in group} & known
+    if len(same) != 1 and (meant := name_here(plain, "other_options")):
         raise InputError(f"there is no option {name} of narrows {command.name}; {meant}")
-    same = {f"--{one}" for group in groups for one in group} & known
-    return f"{same.pop()}{equals}{value}" if name not in known and name[:2] == "--" and len(same) == 1 else word
+    return f"{same.pop()}{equals}{value}" if len(same) == 1 else word
 
 
 @click.group(

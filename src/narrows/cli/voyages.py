@@ -205,7 +205,7 @@ def map_(
 
 def _zigzags(option: str, text: str) -> tuple[tuple[float, float], ...]:
     try:
-        pairs = [word.split("/") for word in text.split(",") if word]
+        pairs = [word.split("/") if "/" in word else [word] * 2 for word in text.split(",") if word]
         return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
     except ValueError:
         raise InputError(
@@ -222,7 +222,7 @@ def trials(
     speed: Annotated[cli.Speed, "Approach speed: 1.2m/s, 8kn; m/s without a unit."],
     delivery: cli.ChartDelivery,
     turn_deg: Annotated[float, "Rudder angle of the turning circles, to either side [deg]."] = 35.0,
-    zigzags: Annotated[Zigzags, "Rudder/heading of the zigzags [deg], a/b,c/d."] = "10/10,20/20",
+    zigzags: Annotated[Zigzags, "Rudder/heading of the zigzags [deg], a/b,c/d; 10 is 10/10."] = "10/10,20/20",
     dt: Annotated[float | None, "Time step [s]; default: a 120th of the time of a ship length."] = None,
 ) -> None:
     """Simulate turning circles and zigzags in open water.

@@ -270,6 +270,10 @@ class Fit(BaseResult):
             equations, _ = accumulate(read, self.terms, balance=equations.balance)
         return score(equations, equations.total, self.terms, self.coefficients)
 
+    def plot_forces(self) -> "Figure":
+        """Draw the measured and the estimated forces of all tests, and the bank's part."""
+        return narrows.report.forces_figure(self, self.tests)
+
     def plot_residuals(self, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
         """Draw the residuals of each force over its estimates, a colour for each test.
 

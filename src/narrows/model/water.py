@@ -64,29 +64,32 @@ SQUAT = {
 class Squat(BaseResult):
     """A sinkage and its formula."""
 
-    sinkage: float  #: Sinkage [m]
+    sinkage: Number  #: Sinkage [m]; an array for several speeds
     formula: str  #: Its name in ``SQUAT``
     gives: str  #: Kind of sinkage
     critical_speed: float  #: Speed at which the canal chokes [m/s]
     notes: tuple[str, ...]  #: Uses outside the formula's range, or an unverified formula
     #: Ship and speed [m/s], for the sinkage of other places: ``bow``, ``midship``, ``largest``
-    of: tuple[Configuration, float] | None = field(default=None, compare=False)
+    of: tuple[Configuration, Number] | None = field(default=None, compare=False)
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return it as a table of one row, by the formula's name."""
+        """Return it as a table, one row for each speed, by the formula's name."""
         import pandas as pd
 
-        row = {"formula": self.formula, "gives": self.gives, "sinkage": self.sinkage}
-        return pd.DataFrame([row | {"critical_speed": self.critical_speed}]).set_index("formula")
+        rows = {"gives": self.gives, "sinkage": np.ravel(self.sinkage), "critical_speed": self.critical_speed}
+        rows |= {"u": np.ravel(self.of[1])} if self.of else {}
+        return pd.DataFrame(rows, pd.Index([self.formula] * np.size(self.sinkage), name="formula"))
 
     def summary(self) -> str:
+        ends = dict.fromkeys(f"{end(self.sinkage):.3g}" for end in (np.min, np.max))
         return (
-            f"The {self.gives} sinkage is {self.sinkage:.3g} m by {self.formula}; the canal chokes at "
+            f"The {self.gives} sinkage is {' to '.join(ends)} m by {self.formula}; the canal chokes at "
             f"{self.critical_speed:.3g} m/s."
         )
 
     def to_dict(self) -> dict[str, Any]:
         values = {name: value for name, value in vars(self).items() if name != "of"}
+        values["sinkage"] = np.asarray(self.sinkage).tolist()
         return {**values, "notes": list(self.notes), "summary": self.summary()}
 
 
@@ -149,7 +152,7 @@ def configuration_of(ship: Configured | Configuration) -> Configuration:
 
 
 @accept_aliases
-def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
+def squat(ship: Configured | Configuration, u: Number, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
     """Estimate the sinkage of a ship at a speed.
 
     It uses the first formula of ``SQUAT`` that gives the requested sinkage and is valid here; if none is valid, the
@@ -163,8 +166,8 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     ----------
     ship : Model or Configuration
         Ship and canal; the depth must be given.
-    u : float [m/s]
-        Speed through the water.
+    u : float or array [m/s]
+        Speed through the water, or several.
     gives : str
         ``midship``, ``bow`` or ``largest``.
     formula : str, optional
@@ -182,8 +185,14 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
         remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
         raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
     configuration, critical = configuration_of(ship), choke_speed(ship)
+    if np.ndim(u) and np.size(u):
+        each = [squat(ship, one, gives, formula) for one in np.ravel(u)]
+        used = " or ".join(dict.fromkeys(one.formula for one in each))
+        notes = tuple(dict.fromkeys(note for one in each for note in one.notes))
+        sinkages = np.reshape([one.sinkage for one in each], np.shape(u))
+        return Squat(sinkages, used, gives, critical, notes, (configuration, np.asarray(u)))
     if not is_finite(u):
-        raise InputError(f"u = {shown(u)} is not one speed in m/s; call squat for each of several")
+        raise InputError(f"u = {shown(u)} is no speed in m/s; give a number or several")
     if not 0 <= u < critical:
         raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
     offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
