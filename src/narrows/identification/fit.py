@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
+from narrows.base.errors import InputError
 from narrows.base.results import BaseResult, Coefficients, Named, same_content
 from narrows.captive.columns import check_given
 from narrows.captive.read import Tests, as_tests
@@ -271,7 +272,12 @@ class Fit(BaseResult):
         return score(equations, equations.total, self.terms, self.coefficients)
 
     def plot_forces(self) -> "Figure":
-        """Draw the measured and the estimated forces of all tests, and the bank's part."""
+        """Draw the measured and the estimated forces of all tests, and the bank's part.
+
+        Raises an InputError for streamed tests.
+        """
+        if not isinstance(self.tests, CaptiveTests):
+            raise InputError("streamed tests are too many to draw; draw those of fit.predict(part)")
         return narrows.report.forces_figure(self, self.tests)
 
     def plot_residuals(self, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
