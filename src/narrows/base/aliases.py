@@ -128,7 +128,8 @@ class Arguments:
     def of_canal(self, name: str, given: dict[str, Any]) -> str | None:
         """Return ``width`` or ``depth`` if a name is that of the canal in which the function's model then runs."""
         # A fleet varies them itself, and a waterway has its own.
-        if not self.model or self.more not in ("", "positions") or given.get("waterway") or self._name_here(name):
+        in_canal = self.model and self.more in ("", "positions") and given.get("waterway") is None
+        if not in_canal or self._name_here(name):
             return None
         ours = name if name in CANAL else name_here(name, "arguments", CANAL.__contains__)
         return ours if ours not in self.parameters and name not in self.parameters else None

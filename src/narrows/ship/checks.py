@@ -119,8 +119,8 @@ def check_number(location: str, value: object) -> None:
 def check_sizes(thing: object, over: Collection[str] = (), names: Iterable[str] = ()) -> None:
     """Raise if a number of a dataclass, of all or these, is negative or not finite, or 0 if it must be over 0."""
     for name in names or vars(thing):
-        value = getattr(thing, name)
-        if (isinstance(value, str) and not names) or value is None is getattr(type(thing), name, ""):
+        value, usual = getattr(thing, name), getattr(type(thing), name, "")
+        if (isinstance(value, str) and isinstance(usual, str) and not names) or value is None is usual:
             continue
         if not is_finite(value) or value < 0 or (name in over and value == 0):
             least = "over 0" if name in over else "from 0"
