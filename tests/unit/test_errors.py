@@ -66,7 +66,7 @@ def test_a_small_heading_in_degrees_is_no_motion_along_the_canal() -> None:
 def test_what_terms_of_a_propeller_lack_is_named_as_in_the_ship_file() -> None:
     """Without numbers that have a default, such as wake_rate."""
     words = (
-        r"add mass .* missing too: \[ship\] x_g, inertia; \[propeller\] wake, revolutions, diameter, thrust_0, thrust_1"
+        r"add mass .* missing too: \[ship\] x_g, inertia; \[propeller\] diameter, revolutions, wake, thrust_0, thrust_1"
     )
     with pytest.raises(nw.InputError, match=words) as error:
         nw.identify(nw.twin(runs=(nw.HarmonicRun("A", "yaw", 0.3, 16.0, 1.0, 1),)), "mmg")
