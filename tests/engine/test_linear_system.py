@@ -224,6 +224,7 @@ def test_it_speaks_like_other_results(tmp_path) -> None:
         ({"u": 0.0}, "needs a speed over 0"),
         ({"u": "fast"}, "is not a finite number"),
         ({"y": [[0.1]]}, "has 2 dimensions"),
+        ({"y": xr.DataArray([[0.1]], dims=["a", "b"])}, "y has 2 dimensions; give offsets and speeds as sequences"),
         ({"b_bnk": 1.0}, "has no 'b_bnk'"),
         ({"rudder": 0.1}, "the rudder .* is sought"),
         ({"at": 5.0}, "is a place along a waterway"),

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import click
 import numpy as np
 import pandas as pd
 import pytest
@@ -169,6 +170,34 @@ def test_every_verb_stands_in_one_group() -> None:
 @pytest.mark.parametrize("text", ["8kn", "8 kn", "8kt", "8 kts", "8knots", "8 Knots", "14.816 km/h", "14.816kmh"])
 def test_speeds_in_the_units_that_people_write(text: str) -> None:
     assert speed("--speed", text) == pytest.approx(8 * 1852 / 3600)
+
+
+@pytest.mark.parametrize(
+    ("words", "size"),
+    [
+        ("--duration 90s", 90.0), ("--duration 1.5min", 90.0), ("--duration .025h", 90.0), ("--duration 9e1", 90.0),
+        ("--y -5m", -5.0), ("--psi-deg 10deg", 10.0), ("--psi-deg 1rad", 180 / math.pi), ("--r-deg 2deg/s", 2.0),
+        ("--surge-inertia 1e6kg", 1e6),
+    ],
+)  # fmt: skip
+def test_a_number_may_have_the_unit_of_its_help(words: str, size: float) -> None:
+    option, text = words.split()
+    parameter = next(own for own in app.commands["simulate"].params if option in own.opts)
+    assert parameter.type.convert(text, parameter, None) == pytest.approx(size, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "simulate --y 5s", "simulate --duration 5m", "simulate --revolutions 2m", "simulate --r-deg 2deg",
+        "plan --clearance 10m", "envelope --gusts 2m", "estimate --block 1m", "learn --spread 1s",
+    ],
+)  # fmt: skip
+def test_a_number_with_another_unit_is_refused(words: str) -> None:
+    verb, option, text = words.split()
+    parameter = next(own for own in app.commands[verb].params if option in own.opts)
+    with pytest.raises(click.BadParameter, match=f"'{text}' is not a valid float"):
+        parameter.type.convert(text, parameter, None)
 
 
 def test_the_installed_command(good: Path, ship_file: Path, tmp_path: Path) -> None:

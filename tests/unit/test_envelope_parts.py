@@ -230,6 +230,14 @@ def enveloped(held: np.ndarray, rudder: np.ndarray, **changed: Any) -> SafeEnvel
     )
 
 
+def test_the_largest_offset_is_one_whose_other_side_was_computed_too() -> None:
+    whole = enveloped(SAFE, np.zeros((5, 4)))
+    np.testing.assert_allclose(whole.largest_offset(), [20.0, 20.0, 20.0, math.nan])
+    assert float(whole.largest_offset(5.0 * KNOT)) == 20.0
+    to_starboard = SafeEnvelope(whole.data.isel(y=slice(1, None)))  # From 10 m to port to 20 m to starboard
+    np.testing.assert_allclose(to_starboard.largest_offset(), [10.0, 10.0, 10.0, math.nan])
+
+
 def test_rows_of_offsets_and_speeds_are_read_from_the_grid() -> None:
     """Safe at 4 and 6 knots, at the edges at 4 alone; at 10 m a better pilot holds it at 2 knots too."""
     held = at(0.5, (slice(None), 0), ([0, 4], 2))

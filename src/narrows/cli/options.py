@@ -16,21 +16,26 @@ from click.core import ParameterSource
 from narrows.base.errors import InputError, shown
 from narrows.base.files import PICTURES, form_of, is_stream, save_figure, to_json
 from narrows.cli.app import app
-from narrows.quantities.names import DEGREE, SPEED_UNITS, in_si
+from narrows.quantities.names import DEGREE, SPEED_UNITS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Sizes of further units of a number, by the unit in the help of its option.
+UNITS = {"s": {"s": 1.0, "min": 60.0, "h": 3600.0}, "deg": {"deg": 1.0, "rad": 1 / DEGREE}}
+
+
 class Number(click.types.FloatParamType):
-    """A number, also with its unit: 600s, 40m, 10deg."""
+    """A number, also with the unit of its help or another one of that kind: 40m, 600s, 10min, 10deg."""
 
     def convert(self, value: Any, parameter: click.Parameter | None, context: click.Context | None) -> Any:
-        if parameter and parameter.name and isinstance(value, str):
-            is_angle = parameter.name.endswith("_deg")
-            number = in_si(value, "psi" if is_angle else parameter.name)
-            value = number / DEGREE if is_angle and isinstance(number, float) else number
-        return super().convert(value, parameter, context)
+        unit = re.search(r"\[([^]\d][^]]*)\]", getattr(parameter, "help", None) or "")
+        written = re.fullmatch(r"(.*[\d.])\s*([a-z].*)", str(value).strip().lower())
+        sizes = UNITS.get(unit[1], {unit[1].lower(): 1.0}) if unit else {}
+        size = sizes.get(written[2]) if written else None
+        value = written[1] if written and size else value
+        return super().convert(value, parameter, context) * (size or 1.0)
 
 
 TYPES: dict[type, click.ParamType[Any, Any]] = {

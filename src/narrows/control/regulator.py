@@ -308,6 +308,9 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
 
     Source: Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
 
+    Raises an InputError if a linear system is given with a course, weights have the wrong shape, or no gains hold the
+    ship.
+
     Parameters
     ----------
     linear, **course : LinearSystem or Model, float

@@ -302,7 +302,10 @@ def linearize(
         if name not in known:
             raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
     given = finite_numbers(**values)
-    asked = {name: labelled(name, value).to_numpy().ravel() for name, value in (("y", y), ("u", u))}
+    asked = {name: np.atleast_1d(labelled(name, value).to_numpy()) for name, value in (("y", y), ("u", u))}
+    for name, column in asked.items():
+        if column.ndim > 1:
+            raise InputError(f"{name} has {column.ndim} dimensions; give offsets and speeds as sequences")
     if not (asked["u"] > 0).all():
         raise InputError("a steady course needs a speed over 0; give u in m/s")
     width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)

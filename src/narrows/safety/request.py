@@ -140,10 +140,12 @@ class EnvelopeRequest:
             clear = f"{half - port:.4g} and {starboard - half:.4g} m"
             given = f"offsets from {self.offsets[0]:g} to {self.offsets[-1]:g} m"
             raise InputError(f"{given} have the hull in a bank; stay between {clear}")
-        if not abs(self.bend.curvature) * max(self.walls) < 1:
-            raise InputError(f"a curvature of {self.bend.curvature} 1/m bends inside its own bank; give the middle's")
-        if not abs(self.bend.current) < slowest:
-            raise InputError(f"a current of {self.bend.current} m/s leaves no way at {slowest:g} m/s; give more speed")
+        curvature, current = self.bend.curvature, self.bend.current
+        if not abs(curvature) * max(self.walls) < 1:
+            raise InputError(f"a curvature of {curvature} 1/m bends inside its own bank; give that of the middle")
+        if not abs(current) < slowest:
+            way = f"no way over the ground at {slowest:g} m/s"
+            raise InputError(f"a current of {current} m/s leaves {way}; give faster speeds")
 
     @property
     def rudder_limit(self) -> float:

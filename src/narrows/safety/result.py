@@ -123,9 +123,11 @@ class SafeEnvelope(BaseResult):
 
     def largest_offset(self, u: float | None = None) -> xr.DataArray:
         """Return the largest offset safe to both sides at each speed [m], NaN if there is none; or at ``u`` [m/s]."""
-        safe, size = self.safe(), abs(self.data["y"])
+        safe, y, size = self.safe(), self.data["y"], abs(self.data["y"])
         nearest = size.where(~safe).min("y").fillna(np.inf)
-        offsets = size.where(safe & (size < nearest)).max("y").assign_attrs(units="m")
+        # Farther off than the offsets of the other side nothing is known of both.
+        known = size <= min(y.max(), -y.min()) * (1 + 1e-9)
+        offsets = size.where(safe & known & (size < nearest)).max("y").assign_attrs(units="m")
         return offsets if u is None else offsets.interp(u=u)
 
     def lowest_speed(self) -> xr.DataArray:
