@@ -495,6 +495,7 @@ voyage = nw.simulate(kcs, y=40.0, u=5.0, hold=0.0, duration=200.0); assert abs(h
 assert nw.ensemble(kcs, u=4.0, draws=2, hold=0.0, duration=9.0).sizes == {"sample": 2}
 assert nw.simulate(pub, width=9.0, duration=1.0) == nw.simulate(pub.with_canal(width=9.0), duration=1.0)
 env = nw.envelope(kcs, width=300.0, depth=16.0, y=[-9.0, 0.0, 9.0], u=[4.0, 5.0]); assert env.max_offset(u=4.5) == 9.0
+assert repr(fit.summary()) == str(fit) and json.dumps(voyage.summary())[0] == '"'
 sunk = nw.squat(kcs, u=np.arange(1.0, 5.0)); assert sunk.sinkage[3] == nw.squat(kcs, 4.0).sinkage and len(sunk.df) == 4
 assert sunk.bow[3] == nw.squat(kcs, 4.0).bow and str(sunk) and len(fit.plot_fit().axes) == 3
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
@@ -553,6 +554,7 @@ def test_later_guesses_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     names = {"np": np, "pd": pd, "plt": plt, "nw": nw, "tests": TESTS(), "fit": fit(), "model": fit().model, "pub": DTC}
     names |= {
         "pickle": pickle,
+        "json": json,
         "kcs": KCS,
         "voyage": voyage(),
         "fleet": nw.ensemble(DTC, y=[0.5, 1.0, 2.4], u=[0.8, 1.0]),

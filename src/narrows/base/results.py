@@ -5,7 +5,7 @@ import builtins
 import math
 import re
 from collections.abc import Collection, Iterator
-from functools import cache, partial
+from functools import cache, partial, wraps
 from html import escape
 from importlib import import_module
 from inspect import CO_VARKEYWORDS, isfunction, signature
@@ -202,11 +202,23 @@ def equal_to(word: str) -> Any:
     return lambda one, other: getattr(one, word) == other if isinstance(other, str) else by_content(one, other)
 
 
+class Text(str):
+    """A text that an interpreter or a notebook shows in its lines, without quotes."""
+
+    __slots__ = ()
+    __repr__ = str.__str__
+
+
 class BaseSummary(Aliased):
     """An object with a one-line summary, and a longer one in a notebook.
 
     It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
     """
+
+    def __init_subclass__(cls) -> None:
+        """Let its summary be shown in lines."""
+        if said := vars(cls).get("summary"):
+            setattr(cls, "summary", wraps(said)(lambda self: Text(said(self))))  # noqa: B010
 
     def summary(self) -> str:
         """Describe it in words, its main result first, then its table after an empty line."""
@@ -243,6 +255,7 @@ class BaseResult(BaseSummary):
 
     def __init_subclass__(cls) -> None:
         """Accept the other names of arguments in methods, and answer wrong ones, as public functions do."""
+        super().__init_subclass__()
         for name, method in [*vars(cls).items()]:
             code = getattr(method, "__code__", None)
             if code and name[0] != "_" and code.co_argcount > 1 and not code.co_flags & CO_VARKEYWORDS:
