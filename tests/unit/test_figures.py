@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import narrows as nw
+from narrows.report.style import Picture
 from narrows.report.voyage_figures import hull, map_figure, voyage_figure
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.waterway import Bank, Centreline, Waterway
@@ -123,3 +124,7 @@ class Pictures:
 @pytest.mark.parametrize("name", [name for name in vars(Pictures) if not name.startswith("_")])
 def test_every_word_is_on_the_page_and_can_be_read(dtc: nw.Model, name: str) -> None:
     assert_readable(getattr(Pictures(dtc), name)())
+
+
+def test_a_figure_without_axes_has_none_of_their_methods() -> None:
+    assert not hasattr(Picture(), "set_title")

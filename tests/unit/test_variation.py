@@ -121,6 +121,13 @@ def test_what_cannot_vary_is_said(vary: dict, said: str) -> None:
     assert said in sentence(lambda: nw.ensemble(DTC, **vary))
 
 
+@pytest.mark.parametrize(
+    ("u", "said"), [([], "u is empty"), ([[4.0]], "u has 2 dimensions"), (["a"], "is not a finite number")]
+)
+def test_speeds_that_no_default_helm_is_for_are_said(u: list, said: str) -> None:
+    assert said in sentence(lambda: nw.ensemble(nw.published("estimated_kcs"), u=u, hold=0.0))
+
+
 def test_a_tie_varies_together() -> None:
     """Either of the two, or both the same: one ensemble, and not the one where the other stays behind."""
     value = column(DTC.coefficients["b_rdot"], 0.5 * abs(DTC.coefficients["b_rdot"]) + 1.0)

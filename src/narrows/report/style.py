@@ -36,7 +36,7 @@ class Picture(Figure):
 
     def __getattr__(self, name: str) -> Any:
         """Return an attribute of its first axes, such as ``set_title``."""
-        if name[0] == "_" or not hasattr(Axes, name):
+        if name[0] == "_" or not hasattr(Axes, name) or not self.axes:
             raise AttributeError(f"a figure has no {name!r}")
         return getattr(self.axes[0], name)
 

@@ -117,7 +117,7 @@ def _helm(model: Model, hold: float, controller: Any, u: Any, waterway: "Waterwa
     """Return the default helm for each speed ``u`` as one law, its numbers over the dimension of the speeds."""
     if controller is not None:
         raise InputError("hold is the line of the default helm; leave it or the controller out")
-    speeds = u if isinstance(u, xr.DataArray) else xr.DataArray(u, dims=["u"] * np.ndim(u))
+    speeds = labelled("u", u)
     laws = [narrows.control.regulator(model, hold, float(one), waterway=waterway) for one in speeds.values.flat]
 
     def over(own: list[Any]) -> Any:
