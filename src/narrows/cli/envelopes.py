@@ -96,7 +96,7 @@ DEMO_SHIP = "estimated_kcs"
 )  # fmt: skip
 def envelope(
     *,
-    y: Annotated[Numbers | None, "Offsets from the middle [m]: a,b,c or from:to:count; default: all."] = None,
+    y: Annotated[Numbers | None, "Offsets from the middle [m]: a,b,c or from:to:count; default: bank to bank."] = None,
     speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None,
     section: SectionOptions,
     weather: WeatherOptions,

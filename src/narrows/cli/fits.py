@@ -32,7 +32,7 @@ class FittingOptions:
     terms: cli.Terms = "paper"
     accelerations: Annotated[str, "'motion', 'measured', or 'checked': measured unless the motion differs."] = "checked"
     errors: cli.RunErrors = "0.02,0.02,0.02"
-    pass_over: Annotated[cli.Words, "'rudder': fit without a term of a rudder that moves."] = ""
+    pass_over: Annotated[cli.Words, "'rudder': fit without terms of a moving rudder; others absorb its force."] = ""
     pool: Annotated[str | None, "'depth': separate hull coefficients at each depth, one bank."] = None
 
 
@@ -195,7 +195,7 @@ class RunOptions:
     runs: Annotated[int, "Number of runs."] = 12
     run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None
     clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5
-    speed: Annotated[cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested."] = None
+    speed: Annotated[cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: tested or slow ones."] = None
     depths: Annotated[cli.Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
     reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None
 

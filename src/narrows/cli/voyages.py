@@ -28,7 +28,7 @@ ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' c
 @dataclass(frozen=True)
 class StartOptions:
     y: Annotated[float, "Start to starboard of the centreline [m]."] = 0.0
-    speed: Annotated[cli.Speed | None, "Surge velocity: 1.2m/s, 8kn, or m/s; default: that of the ship."] = None
+    speed: Annotated[cli.Speed | None, "Surge velocity: 1.2 [m/s] or 8kn; default: one that suits the ship."] = None
     psi_deg: Annotated[float, "Heading at the start [deg]."] = 0.0
     v: Annotated[cli.Speed, "Sway velocity at the start, likewise."] = "0m/s"
     r_deg: Annotated[float, "Yaw rate at the start [deg/s]."] = 0.0
@@ -108,8 +108,8 @@ OF_WATERWAY = {"current level current_across current_shear": "waterway"}
 
 @dataclass(frozen=True)
 class VariedOptions:
-    y: Annotated[cli.Numbers | None, "Start to starboard [m]: a,b,c or from:to:count; default: all."] = None
-    speed: Annotated[cli.Speeds | None, "Surge velocity: 8kn, 4kn:8kn:5, or m/s; default: that of the ship."] = None
+    y: Annotated[cli.Numbers | None, "Start to starboard [m]: a,b,c or from:to:count; default: bank to bank."] = None
+    speed: Annotated[cli.Speeds | None, "Surge velocity: 1.2 [m/s], 8kn, 4kn:8kn:5; default: suits the ship."] = None
     psi_deg: Annotated[cli.Numbers, "Heading at the start [deg], likewise."] = "0"
     width: Annotated[cli.Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
     x: Annotated[cli.Numbers, "Start along the waterway [m], likewise."] = "0"

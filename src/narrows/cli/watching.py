@@ -35,11 +35,13 @@ USUAL_SPEED = 4.0  # Speed for compiling the kernels [m/s]
 
 @dataclass(frozen=True)
 class InputOptions:
-    listen: Annotated[list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/..., ws://HOST; again."] = None
+    listen: Annotated[
+        list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."
+    ] = None
     replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
     score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
     demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
-    pace: Annotated[float | None, "Factor on real time; default: as fast as possible, with --page real time."] = None
+    pace: Annotated[float | None, "With --replay, --demo: times real time; default: fastest, with --page 1."] = None
     commands_from: Annotated[list[str] | None, "Host or device that may acknowledge (ACN); default: none; again."] = (
         None
     )
