@@ -144,7 +144,10 @@ def learn_steady(model: Model, observations: Any, *, conditions: SteadyCondition
     read = readings.values
     check_inside(read["y"], model.configuration.canal.width, model.configuration.ship.beam)
     problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
-    found = problem.fit()
+    try:
+        found = problem.fit()
+    except np.linalg.LinAlgError:
+        raise InputError("errors of these readings are beyond all measure; check each, and its unit") from None
     probability = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
     each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
     by_leg = dict(zip(readings.legs, each.tolist(), strict=True))

@@ -286,10 +286,7 @@ class LegProblem(Unknowns):
         covariance = np.einsum("lqi,li,lri->lqr", through, size**2, through)
         covariance += np.diag(left_over(self.conditions, self.model)[: len(BALANCED)] ** 2)
         value = -np.einsum("lqi,li->lq", through, read - state) - columns @ mean
-        try:
-            root = np.linalg.cholesky(covariance)
-        except np.linalg.LinAlgError:
-            raise InputError("errors of these readings are beyond all measure; check each, and its unit") from None
+        root = np.linalg.cholesky(covariance)
         white = [np.linalg.solve(root, own) for own in (value[..., None], design, through)]
         return white[0][..., 0], white[1], white[2]
 
