@@ -35,7 +35,7 @@ def safe_envelope(
     it against disturbances, the keel is clear and the canal is not choked. The result also shows where a pilot with the
     true coefficients holds it. Coefficients are drawn from the covariance of the fit.
 
-    Raises an InputError if the model has no rudder, no speed or bank or pilot is known, or a number is out of range.
+    Raises an InputError if the model has no rudder, a number is out of range, or speeds, bank or pilot are unknown.
 
     Parameters
     ----------
