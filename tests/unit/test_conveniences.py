@@ -244,6 +244,7 @@ def test_tests_are_a_collection_and_a_table() -> None:
     assert sum(part.rows for part in alone) == tests.rows
     np.testing.assert_array_equal(tests["yaw"]["y"], tests.test("yaw")["y"])
     assert tests.query("test == 'yaw'").names == ("yaw",)
+    assert tests.query("psi_deg > 1").rows == (np.degrees(tests["psi"]) > 1).sum() > 0
     pd.testing.assert_frame_equal(tests.to_dataframe(), frame_of(tests))
     again = nw.read_captive(tests.to_dataframe(), tests.configuration)
     assert all((again[name] == tests[name]).all() for name in tests.columns)

@@ -70,6 +70,7 @@ DIALECTS: dict[str, str | bytes] = {
     "thousands in groups": text(";", frame=ROWS.assign(N=(ROWS.N * 1e3).map("{:,.12f}".format))).replace(
         "N\n", "N [mN m]\n", 1
     ),
+    "carriage returns alone": text().replace("\n", "\r"),
     "commas at all ends": "\n".join(line + "," for line in text().splitlines()),
 }
 
@@ -92,7 +93,9 @@ def test_dialects(case: str, ship_file: Path, tmp_path: Path) -> None:
     same(nw.read_captive(put(tmp_path, DIALECTS[case]), ship_file))
 
 
-@pytest.mark.parametrize("case", ["semicolon, decimal comma", "comments", "UTF-16", "lines above", "psi (deg)"])
+@pytest.mark.parametrize(
+    "case", ["semicolon, decimal comma", "comments", "UTF-16", "lines above", "carriage returns alone"]
+)
 def test_dialects_on_the_stream(case: str, ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", 20)
     path = put(tmp_path, DIALECTS[case])
@@ -258,3 +261,12 @@ def test_selection_says_what_is_near(ship_file: Path, tmp_path: Path) -> None:
         nw.read_captive(put(tmp_path, text()), ship_file, where="speed > 1")
     with pytest.raises(nw.InputError, match="'hheave' is not defined; did you mean 'heave'"):
         nw.read_captive(put(tmp_path, text()), ship_file, where="hheave > 1")
+
+
+def test_much_heave_is_noted_and_two_columns_of_one_name_are_refused(ship_file: Path) -> None:
+    heave = np.full(len(ROWS), 0.3 * nw.read_ship(ship_file).ship.draft)
+    assert (
+        "Heave reaches 0.3 of the draft: check its unit." in nw.read_captive(ROWS.assign(heave=heave), ship_file).notes
+    )
+    with pytest.raises(nw.InputError, match="two columns are headed 'u'; keep one"):
+        nw.read_captive(pd.concat([ROWS, ROWS[["u"]]], axis="columns"), ship_file)

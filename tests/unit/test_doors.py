@@ -83,7 +83,7 @@ HEADER, ROW = frame_of(short_twin()).iloc[:1].to_csv(index=False).splitlines()
     [
         ((f"{ROW},7", f"{ROW},7"), "row 2 has more cells than the header"),
         ((f"{ROW},", f"{ROW},"), "row 2 has more cells than the header"),
-        ((ROW, f"{ROW},7"), "is not a readable csv table"),
+        ((ROW, f"{ROW},7"), "row 3 has more cells than the header"),
         ((ROW.replace(",", f",{'9' * 400},", 1).rpartition(",")[0],), "not a finite number"),
         ((ROW.replace(",", f",{'9' * 5000},", 1).rpartition(",")[0],), "not a finite number"),
         ((ROW.replace(",", ",1e308,", 1).rpartition(",")[0],), "which nothing measures"),

@@ -128,10 +128,10 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
     return () if 1 / settings.MASS_OFF <= ratio <= settings.MASS_OFF else (f"{finding}: was all of it on the balance?",)
 
 
-def check_heave(table: CheckedColumns) -> None:
-    """Raise if heave is no part of the draft, or the hull sinks into the ground."""
+def check_heave(table: CheckedColumns) -> tuple[str, ...]:
+    """Raise if heave is no part of the draft, or the hull sinks into the ground; return a note if it is large."""
     if "heave" not in table.by_name:
-        return
+        return ()
     columns, configuration = table.columns, table.configuration
     heave = columns["heave"]
     draft = np.broadcast_to(columns.get("draft", configuration.ship.draft), heave.shape)
@@ -146,6 +146,8 @@ def check_heave(table: CheckedColumns) -> None:
     depth = columns.get("depth", configuration.canal.depth)
     if depth is not None and (aground := draft + heave >= depth).any():
         raise InputError(f"{table.place('heave', aground)} puts the hull on the ground; check heave and depth")
+    most = float((np.abs(heave) / draft).max())
+    return (f"Heave reaches {most:.2g} of the draft: check its unit.",) if most > settings.MUCH_HEAVE else ()
 
 
 def check_forces(table: CheckedColumns) -> None:

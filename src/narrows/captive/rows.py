@@ -104,8 +104,7 @@ def checked(
 
 
 def _check_plausible(found: check.CheckedColumns, names: tuple[str, ...], starts: np.ndarray) -> tuple[str, ...]:
-    notes = found.configuration.notes + check.check_mass(found.configuration, found.table)
-    check.check_heave(found)
+    notes = found.configuration.notes + check.check_mass(found.configuration, found.table) + check.check_heave(found)
     check.check_forces(found)
     motions = check.MotionColumns(found.columns, starts, found.configuration.ship.length)
     agreements = check.kinematic_consistency(motions)

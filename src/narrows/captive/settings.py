@@ -10,6 +10,7 @@ SIGNIFICANT = 9.0  # power of a harmonic relative to that of its noise
 SAMPLED = 600  # rows of a run used to find its period and compare accelerations; all are replaced
 # Sizes
 MOST_HEAVE = 0.5  # [1] of the draft: more is no sinkage of a floating ship
+MUCH_HEAVE = 0.2  # [1] of the draft: beyond it a note is given
 MASS_APART = 2.0  # ratio of mass and displacement, either way, beyond which one is wrong
 MASS_OFF = 1.1  # the same, beyond which a note is given
 GYRATION = (0.1, 0.5)  # [1] radius of gyration over length of any ship; about 0.25 is usual

@@ -175,8 +175,10 @@ class CaptiveTests(Configured, Tabulated):
 
         Raises an InputError if the expression is invalid, or no row is left.
         """
+        from narrows.captive.columns import COLUMNS
+
         frame = self.to_dataframe()
-        return self.of_rows(selection(where, frame, frame, {}, "the tests"))
+        return self.of_rows(selection(where, frame, frame, COLUMNS, "the tests"))
 
     def test(self, name: str) -> dict[str, np.ndarray]:
         """Return the columns of one test by its ``name``; an InputError if there is no such test."""

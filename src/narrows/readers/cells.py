@@ -177,6 +177,8 @@ def as_sheet(table: object) -> Sheet:
     except Exception as error:  # Libraries of tables raise many kinds of errors on bad columns
         raise InputError(f"{name_of(table)}: cannot be read as a table ({reason(error)}); give a DataFrame") from None
     frame = frame.set_axis([str(header) for header in frame.columns], axis="columns")
+    if (twice := frame.columns[frame.columns.duplicated()]).size:
+        raise InputError(f"{name_of(table)}: two columns are headed {twice[0]!r}; keep one")
     frame.index = pd.RangeIndex(-FIRST_ROW, len(frame) - FIRST_ROW)
     return Sheet(frame)
 

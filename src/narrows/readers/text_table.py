@@ -21,6 +21,7 @@ from narrows.readers.settings import DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HE
 
 FIRST_ROW = 2  # Row number below a header in an editor: the index of a frame counts from there
 SKIPPED = rb"[ \t]*[#%\r\n]"  # Begin of a comment, or an empty line
+MORE_CELLS = "row {} has more cells than the header; give each column one header, and put words with spaces in quotes"
 
 
 class Head(NamedTuple):
@@ -46,8 +47,11 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
         "skipinitialspace": True, "low_memory": False,
     }  # fmt: skip
     with opened(path) as file:
-        if encoding == "utf-16":
-            file, encoding = BytesIO(file.read().decode(encoding, "backslashreplace").encode()), "utf-8"
+        is_plain = encoding != "utf-16" and b"\n" in file.readline(DIALECT_BYTES)
+        file.seek(0)
+        if not is_plain:  # Also lines that end with a carriage return alone
+            whole = file.read().decode(encoding, "backslashreplace")
+            file, encoding = BytesIO(LINE.sub("\n", whole).encode()), "utf-8"
         for _ in range(first - 1):
             file.readline()
         while text := file.read() if rows is None else b"".join(islice(file, rows)):
@@ -57,17 +61,21 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
                 lines = text.split(b"\n")[: len(numbers)]
                 kept = [not re.match(SKIPPED, line + b"\n") for line in lines]
                 numbers, text = numbers[kept], b"\n".join(compress(lines, kept))
-            if text:
-                yield _finished(pd.read_csv(BytesIO(text), encoding=encoding, **options), dialect, numbers)
+            if not text:
+                continue
+            try:
+                frame = pd.read_csv(BytesIO(text), encoding=encoding, **options)
+            except pd.errors.ParserError as error:
+                if line := re.search(r"fields in line (\d+)", str(error)):  # Of this text
+                    raise InputError(MORE_CELLS.format(numbers[int(line[1]) - 1])) from None
+                raise
+            yield _finished(frame, dialect, numbers)
 
 
 def _finished(frame: pd.DataFrame, dialect: Dialect, lines: np.ndarray) -> pd.DataFrame:
     """Number the rows by lines, and convert decimal commas in columns that also hold words, which pandas leaves."""
     if not isinstance(frame.index, pd.RangeIndex):  # pandas takes extra cells for row names
-        raise InputError(
-            f"row {lines[0]} has more cells than the header; give each column one "
-            "header, and put words with spaces in quotes"
-        )
+        raise InputError(MORE_CELLS.format(lines[0]))
     # If a cell in quotes spans lines, rows are counted from the first line.
     frame.index = pd.Index((lines if len(frame) == len(lines) else lines[0] + np.arange(len(frame))) - FIRST_ROW)
     for header in frame.columns if dialect.decimal == "," else ():
