@@ -11,7 +11,7 @@ import pytest
 
 import narrows as nw
 from narrows.waterway import Centreline
-from narrows.waterway.map_lines import unprojected
+from narrows.waterway.map_lines import from_utm, unprojected
 
 ORIGIN = np.array([7.6, 52.0])
 NORTH = np.linspace(0.0, 4000.0, 41)
@@ -92,6 +92,10 @@ def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> 
     assert (code, err) == (0, "")
     check(nw.read_waterway(out))
     assert ("beyond, its distance is assumed constant" in " ".join(text.split())) == ("short" in name)
+
+
+def test_utm_far_beyond_its_zone_is_no_place() -> None:
+    assert np.isinf(from_utm(1e12, 1e7, 32, south=False)).all()
 
 
 def test_utm_is_read(tmp_path: Path, cli) -> None:

@@ -300,7 +300,7 @@ def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[st
         frame = (frame.reset_index() if frame.index.name == TIME else frame).astype(float)
     except (TypeError, ValueError):
         raise InputError(
-            "records are columns of numbers; give a DataFrame, a Dataset or a mapping, NaN for none"
+            "records are columns of numbers of one length; give a DataFrame, a Dataset or a mapping, with NaN for none"
         ) from None
     known = [TIME, *(field for sensor in sensors.values() for field in sensor.fields), *actuators]
     for name in frame.columns:

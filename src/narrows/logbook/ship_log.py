@@ -35,7 +35,7 @@ class Signal:
     def __post_init__(self) -> None:
         if np.ndim(self.t) != 1 or np.shape(self.t) != np.shape(self.values):
             raise InputError(
-                f"a signal with {np.size(self.t)} times and {np.size(self.values)} values; give one a time"
+                f"a signal with {np.size(self.t)} times and {np.size(self.values)} values; give one value for each time"
             )
         if not (np.isfinite(self.t).all() and np.isfinite(self.values).all()):
             raise InputError("a signal holds what is not finite; leave out the times at which nothing was measured")

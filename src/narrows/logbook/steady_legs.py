@@ -297,7 +297,7 @@ def plan_steady(
         raise InputError(f"legs = {legs}: give an even number, for wind and zeros cancel over both sides")
     if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(side) and side >= 0):
         raise InputError(
-            f"reserve = {shown(reserve)}, {shown(side)} m of clearance: give a share under 1, metres from 0"
+            f"reserve = {shown(reserve)}, clearance = {shown(side)} m: give a share under 1, and metres from 0"
         )
     beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)

@@ -150,7 +150,9 @@ def predict_information(
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     if "rudder" not in grade.signals:
-        raise InputError(f"sensors {grade.name!r} have no rudder: all would rest on a pilot; record the rudder")
+        raise InputError(
+            f"sensors {grade.name!r} have no rudder angle, so that all rests on the assumed pilot; record it"
+        )
     plan = _plan(model, waterway, u, duration, conditions)
     sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
     std, seeds = [], range(seed, seed + settings.SIMULATED_TRANSITS)

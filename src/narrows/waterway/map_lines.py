@@ -32,17 +32,17 @@ def origin_of(points: np.ndarray) -> np.ndarray:
 def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     """Project longitude and latitude to metres east and north of an origin, with true scale near it."""
     # points (n, 2) [deg], WGS84; origin (2,) [deg]
-    with np.errstate(all="ignore"):  # no place on earth
+    with np.errstate(invalid="ignore"):  # infinite degrees
         turn = np.radians((points[:, 0] - origin[0] + 180) % 360 - 180)
-        north, east = _forward(np.radians(points[:, 1]), turn)
+    north, east = _forward(np.radians(points[:, 1]), turn)
     return np.stack([east, north - _foot(origin)], axis=1)
 
 
 def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     """Return longitude and latitude [deg] of metres east and north of an origin, longitude from -180 to 180."""
     # points (n, 2) [m]; origin (2,) [deg]
-    with np.errstate(all="ignore"):  # no place on earth
-        latitude, turn = _inverse(points[:, 1] + _foot(origin), points[:, 0])
+    latitude, turn = _inverse(points[:, 1] + _foot(origin), points[:, 0])
+    with np.errstate(invalid="ignore"):  # no place on earth
         return np.stack([(origin[0] + np.degrees(turn) + 180) % 360 - 180, np.degrees(latitude)], axis=1)
 
 
@@ -87,6 +87,7 @@ def _foot(origin: np.ndarray) -> float:
     return float(_forward(np.radians(origin[1:]), np.zeros(1))[0][0])
 
 
+@np.errstate(all="ignore")  # no place on earth
 def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Northing from the equator and easting from the meridian [m]; infinite where undefined, NaN stays NaN."""
     tangent = _conformal(np.tan(latitude))
@@ -96,6 +97,7 @@ def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.where(beyond, np.inf, place.real), np.where(beyond, np.inf, place.imag)
 
 
+@np.errstate(all="ignore")
 def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Latitude and longitude from the meridian [rad]; infinite where undefined, NaN stays NaN."""
     zeta, beyond = (north + 1j * east) / _RADIUS, np.abs(east) > WIDEST * _RADIUS

@@ -176,13 +176,13 @@ class Waterway(BaseSummary):
 
         With a ``draft`` [m] the width is that available to its keel; it is the same between vertical banks.
         """
-        starboard, port = self.walls(s, depth := self.depth(s), draft)
+        starboard, port = self._walls(s, depth := self.depth(s), draft)
         return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
 
-    def walls(
+    def _walls(
         self, s: np.ndarray | float, depth: np.ndarray, draft: float | None = None
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return distances to starboard and port at ``s`` and ``depth``, with a ``draft`` those of a keel's contact."""
+        """Return distances to starboard and port [m], with a draft [m] those of the contact of its keel."""
 
         def wall(bank: Bank) -> np.ndarray:
             there = bank.wall(s, depth)
@@ -375,7 +375,7 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
     s = np.linspace(0, length, int(np.ceil(length / step)) + 1)
     depth = waterway.depth(s)
     return WaterwayTable(
-        s, *waterway.walls(s, depth), *waterway.walls(s, depth, draft), depth, waterway.line.curvature(s),
+        s, *waterway._walls(s, depth), *waterway._walls(s, depth, draft), depth, waterway.line.curvature(s),
         waterway.flow(s), profile_at(waterway.current_across, s), profile_at(waterway.current_shear, s),
     )  # fmt: skip
 

@@ -136,7 +136,8 @@ def check_speed(at: Checked) -> Iterator[Finding]:
     froude = length / at.pace / np.sqrt(GRAVITY * length)
     if froude > settings.MOST_FROUDE:
         yield at.finding(
-            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}",
+            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}, "
+            "which no displacement ship reaches",
             "give the log the model of its own ship's size (nw.scale_model), and positions and speeds in metres",
             froude=float(froude),
         )  # fmt: skip
@@ -159,7 +160,8 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
         swings >= settings.SWINGS or (confined and still > settings.RUDDER_REST_BETWEEN_BANKS)
     ):
         yield at.finding(
-            "rudder", f"the rudder rests from t = {begin:.6g} s for {still:.3g} ship lengths and {swings} swings",
+            "rudder", f"the rudder stands still from t = {begin:.6g} s for {still:.3g} ship lengths, in which the "
+            f"ship swings {swings} times",
             "look for another column of it, or for a sensor that fell silent", start=begin, end=end,
         )  # fmt: skip
 
