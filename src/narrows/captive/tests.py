@@ -175,10 +175,8 @@ class CaptiveTests(Configured, Tabulated):
 
         Raises an InputError if the expression is invalid, or no row is left.
         """
-        from narrows.captive.columns import COLUMNS
-
-        frame = self.to_dataframe()
-        return self.of_rows(selection(where, frame, frame, COLUMNS, "the tests"))
+        frame, known = self.to_dataframe(), {name: Quantity(unit, "") for name, unit in self.units.items() if unit}
+        return self.of_rows(selection(where, frame, frame, known, "the tests"))
 
     def test(self, name: str) -> dict[str, np.ndarray]:
         """Return the columns of one test by its ``name``; an InputError if there is no such test."""
