@@ -66,7 +66,7 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             try:
                 frame = pd.read_csv(BytesIO(text), encoding=encoding, **options)
             except pd.errors.ParserError as error:
-                if line := re.search(r"fields in line (\d+)", str(error)):  # Of this text
+                if line := re.search(r"fields in line (\d+)", str(error)):  # Counted within this text
                     raise InputError(MORE_CELLS.format(numbers[int(line[1]) - 1])) from None
                 raise
             yield _finished(frame, dialect, numbers)
