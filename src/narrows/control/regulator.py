@@ -105,7 +105,7 @@ class Regulator(BaseSummary):
         starts = [line.start for line in self.lines]
         if not starts or any(after <= before for before, after in pairwise(starts)):
             raise InputError(
-                "a regulator holds one line or more, each from a later time or place than the last; give them"
+                "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
         own = [self.u, self.lead, self.unwinding, self.integral, *starts]
         numbers = [*own, *(number for line in self.lines for number in line.numbers().values())]

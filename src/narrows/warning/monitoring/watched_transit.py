@@ -242,11 +242,11 @@ class TransitLog:
 def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
     now, forecast, known = status.estimate.values, status.forecast, status.estimate.ready
     state = [now[name] if known else math.nan for name in ("x", "y", "psi", "u")]
-    told = [math.nan] * 7
+    predicted = [math.nan] * 7
     if forecast:
-        told = [forecast.nobody, forecast.unattended, forecast.likely.contact, max(forecast.last_chance, 0.0)]
-        told += [forecast.rudder, forecast.rudder_needed, forecast.rudder_margin]
-    return (t, *state, status.clearance if known else math.nan, *told, float(status.level))
+        predicted = [forecast.nobody, forecast.unattended, forecast.likely.contact, max(forecast.last_chance, 0.0)]
+        predicted += [forecast.rudder, forecast.rudder_needed, forecast.rudder_margin]
+    return (t, *state, status.clearance if known else math.nan, *predicted, float(status.level))
 
 
 # Scores of recorded transits: the time left to act when each predictor warned, and false alerts.

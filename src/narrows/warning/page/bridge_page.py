@@ -35,12 +35,12 @@ COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
 
 
 def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
-    told = status.to_dict()
-    for alert, shown in zip(status.alerts, told["alerts"], strict=True):
+    update = status.to_dict()
+    for alert, shown in zip(status.alerts, update["alerts"], strict=True):
         may = [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None]
         shown |= {"sounds": alert.sounds, "may": may}
     names = {"ship": monitored.model.configuration.ship.name or "A ship", "waterway": monitored.waterway.name}
-    return {"kind": "update", "at": since_1970, **names, **told, "scene": scene(monitored, status)}
+    return {"kind": "update", "at": since_1970, **names, **update, "scene": scene(monitored, status)}
 
 
 def packed(message: Mapping[str, Any]) -> str:
