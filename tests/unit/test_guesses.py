@@ -189,6 +189,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.identify(form=)": (lambda: nw.identify(short_twin(), form="distance"), r"'paper\+distance' for another bank"),  # type: ignore[call-arg]
     "model.plot_forces(u=1.0)": (lambda: DTC.plot(u=1.0), "has the numbers at a speed"),  # type: ignore[call-arg]
     "model.forces(0.5, 0.0, 1.0)": (lambda: DTC.forces(0.5, 0.0, 1.0, 0.0, 0.0), "give them by name"),  # type: ignore[arg-type]
+    "nw.bank_force(None)": (lambda: nw.bank_force(None, 1.0, 1.0, width=9.0), "None is no model"),  # type: ignore[arg-type]
     "nw.sensitivities(voyage)": (lambda: nw.sensitivities(voyage()), "is no model; give nw.published"),  # type: ignore[arg-type]
     "fit.interval(name, level=0.9)": (lambda: fit().interval("b_v"), "intervals are of 95 %; write intervals"),  # type: ignore[attr-defined]
     "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]

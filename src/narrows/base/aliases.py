@@ -214,7 +214,7 @@ def _model_of(given: Any) -> Any:
 
     if isinstance(given, str | Path):
         return narrows.load_model(given)
-    if given is None or isinstance(given, narrows.Model):
+    if isinstance(given, narrows.Model):
         return given
     if "model" in names_of(type(given)):
         return given.model
