@@ -219,6 +219,11 @@ class BaseSummary(Aliased):
         """Let its summary be shown in lines."""
         if said := vars(cls).get("summary"):
             setattr(cls, "summary", wraps(said)(lambda self: Text(said(self))))  # noqa: B010
+        if values := vars(cls).get("to_dict"):  # Text would stand there without quotes
+            plain = wraps(values)(
+                lambda self: {n: str(v) if isinstance(v, Text) else v for n, v in values(self).items()}
+            )
+            setattr(cls, "to_dict", plain)  # noqa: B010
 
     def summary(self) -> str:
         """Describe it in words, its main result first, then its table after an empty line."""
