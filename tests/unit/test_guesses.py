@@ -497,8 +497,8 @@ assert nw.ensemble(kcs, u=4.0, draws=2, hold=0.0, duration=9.0).sizes == {"sampl
 assert nw.simulate(pub, width=9.0, duration=1.0) == nw.simulate(pub.with_canal(width=9.0), duration=1.0)
 env = nw.envelope(kcs, width=300.0, depth=16.0, y=[-9.0, 0.0, 9.0], u=[4.0, 5.0]); assert env.max_offset(u=4.5) == 9.0
 assert repr(fit.summary()) == str(fit) and json.dumps(voyage.summary())[0] == '"'
-assert type(voyage.to_dict()["summary"]) is str
 sunk = nw.squat(kcs, u=np.arange(1.0, 5.0)); assert sunk.sinkage[3] == nw.squat(kcs, 4.0).sinkage and len(sunk.df) == 4
+assert type(sunk.to_dict()["summary"]) is str
 assert sunk.bow[3] == nw.squat(kcs, 4.0).bow and str(sunk) and len(fit.plot_fit().axes) == 3
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
