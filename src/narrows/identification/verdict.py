@@ -351,6 +351,6 @@ def unmodelled_rudder(equations: NormalEquations, terms: TermTable) -> str:
     if angle < math.radians(1):
         return ""
     return (
-        f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so other terms absorb its force: "
+        f"the rudder goes to about {math.degrees(angle):.0f} deg and no term has it, so other terms absorb its force: "
         f"take the terms {terms.name}+helm, or rows with it amidships (--where 'abs(rudder_deg) < 1')"
     )
