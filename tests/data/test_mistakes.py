@@ -130,7 +130,9 @@ def test_rudder(terms: str) -> None:
         {**tests.columns, **turned}, tests.names, tests.starts, tests.configuration, tests.conditions
     )
     if "helm" not in terms:
-        with pytest.raises(nw.InputError, match=r"goes to 35 deg and no term has it.* speed\+helm.*--pass-over rudder"):
+        with pytest.raises(
+            nw.InputError, match=r"goes to about 35 deg and no term has it.* speed\+helm.*--pass-over rudder"
+        ):
             nw.identify(tests, table)
     right, wrong = (nw.identify(own, table, pass_over="rudder") for own in (tests, reversed_))
     assert right.implausible == ()
