@@ -102,7 +102,7 @@ LEGS: dict[str, tuple[str, dict[str, Mark]]] = {
         {
             "the trials": partial(defined_as, ("trials",)),
             "a kernel is run": partial(defined_as, ("helmed", "ended")),
-            "the chart": partial(defined_as, ("envelope_chart",)),
+            "the chart": partial(defined_as, ("envelope_chart", "plot")),
         },
     ),
 }
