@@ -202,7 +202,7 @@ def equal_to(word: str) -> Any:
     return lambda one, other: getattr(one, word) == other if isinstance(other, str) else by_content(one, other)
 
 
-class Text(str):
+class ShownText(str):
     """A text that an interpreter or a notebook shows in its lines, without quotes."""
 
     __slots__ = ()
@@ -218,10 +218,10 @@ class BaseSummary(Aliased):
     def __init_subclass__(cls) -> None:
         """Let its summary be shown in lines."""
         if said := vars(cls).get("summary"):
-            setattr(cls, "summary", wraps(said)(lambda self: Text(said(self))))  # noqa: B010
+            setattr(cls, "summary", wraps(said)(lambda self: ShownText(said(self))))  # noqa: B010
         if values := vars(cls).get("to_dict"):  # Text would stand there without quotes
             plain = wraps(values)(
-                lambda self: {n: str(v) if isinstance(v, Text) else v for n, v in values(self).items()}
+                lambda self: {n: str(v) if isinstance(v, ShownText) else v for n, v in values(self).items()}
             )
             setattr(cls, "to_dict", plain)  # noqa: B010
 

@@ -353,9 +353,8 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
         if agreement.apart.any():
             i = int(np.argmax(agreement.apart))
             said = "what u, v and psi say" if name in ("x", "y") else RATES[name][0]
-            parts.append(
-                f"d{name}/dt is {math.copysign(agreement.factor[i], agreement.correlation[i]):.2g} times {said}"
-            )
+            slope = math.copysign(agreement.factor[i], agreement.correlation[i])
+            parts.append(f"d{name}/dt is {slope:.2g} times {said}")
     others = f" and {len(tests) - 1} more" if len(tests) > 1 else ""
     return f"in test {tests[0]}{others}, {' and '.join(parts)}"
 
@@ -388,9 +387,8 @@ def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: 
     columns = motions.columns
     if not columns.keys() >= scales.keys():
         return False
-    again = kinematic_consistency(
-        motions._replace(columns={**columns, **{n: columns[n] * k for n, k in scales.items()}})
-    )
+    scaled = {**columns, **{name: columns[name] * scale for name, scale in scales.items()}}
+    again = kinematic_consistency(motions._replace(columns=scaled))
     return all(
         name in again and not again[name].apart.any() and again[name].alike.sum() >= agreement.alike.sum()
         for name, agreement in agreements.items()

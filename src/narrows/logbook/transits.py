@@ -151,7 +151,7 @@ def predict_information(
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     if "rudder" not in grade.signals:
         raise InputError(
-            f"sensors {grade.name!r} have no rudder angle, so that all rests on the assumed pilot; record it"
+            f"sensors {grade.name!r} have no rudder angle, so that all rests on the assumed pilot; record the rudder"
         )
     plan = _plan(model, waterway, u, duration, conditions)
     sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
