@@ -360,3 +360,12 @@ def test_readings_of_twins_come_late_and_lie_between_the_times() -> None:
     nothing = math.nan
     np.testing.assert_allclose(found[:, 0], [nothing, nothing, 0.25, nothing, 1.25, nothing], atol=1e-6)
     np.testing.assert_allclose(found[:, 1] - found[:, 0], [nothing, nothing, 10.0, nothing, 10.0, nothing], atol=1e-6)
+
+
+@pytest.mark.parametrize("curvature", [1e-3, -1e-3])
+def test_an_antenna_ahead_in_a_bend_is_off_the_circle_by_its_chord(curvature: float) -> None:
+    """At 100 m ahead on a tangent of a circle of 1000 m: hypot(1000, 100) from its centre, at an angle of atan(0.1)."""
+    at: Any = SimpleNamespace(x=50.0, y=0.0, psi=0.0, curvature=curvature)
+    x, y = Gnss(forward=100.0).measured(at)
+    outward = math.hypot(1000.0, 100.0) - 1000.0
+    assert (x, y) == pytest.approx((50.0 + 1000.0 * math.atan(0.1), -math.copysign(outward, curvature)))
