@@ -19,6 +19,7 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.results import BaseSummary
+from narrows.control.steady_course import revolutions_ahead
 from narrows.logbook.filtering.likelihood import bounded_step
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE, UPDATE_ROUNDS, UPDATE_SETTLED, WIND_LEVER, WINDAGE
@@ -27,7 +28,6 @@ from narrows.quantities.names import Quantity
 from narrows.safety.request import keel_at, wind_force
 from narrows.ship.checks import check_sizes
 from narrows.ship.motion import Motion
-from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 # Readings of a leg.
@@ -297,10 +297,8 @@ class LegProblem(Unknowns):
         each, place = np.unique(read["u"], return_inverse=True)
         given = {"heave": read["heave"] if "heave" in read else keel_at(self.model, each).midship[place]}
         if self.model.terms.propelled:
-            given["revolutions"] = (
-                read["revolutions"] if "revolutions" in read
-                else np.array([self_propulsion(self.model, speed) for speed in each.tolist()])[place]
-            )  # fmt: skip
+            ahead = "revolutions" not in read
+            given["revolutions"] = revolutions_ahead(self.model, read["u"]) if ahead else read["revolutions"]
         return {**SimulatedShip(self.model).values(), **given}
 
     def _columns(self, state: np.ndarray) -> np.ndarray:

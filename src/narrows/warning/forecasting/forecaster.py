@@ -181,8 +181,7 @@ class Forecaster:
         self.filter, self.line, self.ships = estimator.filter, line, ships
         if RUDDER not in self.filter.actuators:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
-        driven = any(name == REVOLUTIONS for name in self.filter.actuators)
-        self.manoeuvres = (STEADY, KICK) if driven else (STEADY,)
+        self.manoeuvres = (STEADY, KICK) if REVOLUTIONS in self.filter.actuators else (STEADY,)
         # Standard normal numbers of the samples of a block, (samples, n): they stay the same, so that from one forecast
         # to the next only the posterior changes. Half of them mirror the other half; the most likely ship has zeros.
         size = len(self.filter.states) + self.filter.root.shape[1]
