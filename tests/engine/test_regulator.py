@@ -263,6 +263,8 @@ LINE = HeldLine(0.0, (1.0,) * 6)
         (lambda: regulator(steered(), ((5.0, 0.0), (5.0, 0.1)), 1.0), "later time"),
         (lambda: regulator(steered(), (0.0, 0.1), 1.0), "pairs of time"),
         (lambda: HeldLine(0.0, (1.0,)), "give each"),
+        (lambda: RegulatorWeights(bank=1.5), "bank = 1.5"),
+        (lambda: RegulatorWeights(heading_deg=0.0), "heading_deg = 0.0"),
         (lambda: Regulator((HeldLine(math.nan, (1.0,) * 6),), 1.0, 1.0, 1.0), "steers nothing"),
         (lambda: Regulator((), 1.0, 1.0, 1.0), "one line or more"),
         (lambda: Regulator((LINE,), 0.0, 1.0, 1.0), "u over 0"),

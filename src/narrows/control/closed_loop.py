@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,6 @@ from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
 from narrows.codegen.choices import COUNTED, TIME, WATER
 from narrows.control import settings
-from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
 from narrows.control.predictive.course_ahead import water_ahead
 from narrows.control.steady_course import check_rudder, linearize
@@ -226,7 +225,7 @@ def closed_loop(
     if estimator is not None and not sensors:
         raise InputError("an estimator needs the sensors that it was made for; give sensors too")
     if gear is not None:
-        model = with_gear(model, gear)
+        model = replace(model, configuration=replace(model.configuration, steering=gear))
     return ClosedLoop(model, controller, waterway=waterway, sensors=tuple(sensors), estimator=estimator, **numbers)
 
 

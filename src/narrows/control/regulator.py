@@ -35,8 +35,7 @@ SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 class RegulatorWeights:
     """Weights of a regulator by Bryson's rule, and its use of the bank force.
 
-    The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``);
-    ``design`` tunes them for another ship.
+    The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``).
     """
 
     # Each of the first three is the deviation that costs as much as each of the others.
@@ -182,7 +181,7 @@ def regulator(
         Waterway instead of the model's own canal, and the place along it for which the gains are computed; with
         several, rising, each holds from its place on.
     weights : RegulatorWeights
-        Weights of the cost: defaults tuned by simulated voyages, or those of ``design``.
+        Weights of the cost.
     **values : float [SI]
         As for ``linearize``.
     """
