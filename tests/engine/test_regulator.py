@@ -259,7 +259,7 @@ LINE = HeldLine(0.0, (1.0,) * 6)
         (lambda: regulator(paper(), 0.0, 1.0), "no terms of a rudder"),
         (lambda: regulator(steered().with_coefficients(b_helm=0.0, c_helm=0.0), 0.0, 1.0), "no rudder|has no effect"),
         (lambda: regulator(steered(), 3.0, 1.0), "no rudder"),
-        (lambda: regulator(steered(), "left", 1.0), "is not a finite number"),
+        (lambda: regulator(steered(), "left", 1.0), "must be a finite number"),
         (lambda: regulator(steered(), ((5.0, 0.0), (5.0, 0.1)), 1.0), "later time"),
         (lambda: regulator(steered(), (0.0, 0.1), 1.0), "pairs of time"),
         (lambda: HeldLine(0.0, (1.0,)), "give each"),

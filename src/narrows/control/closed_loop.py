@@ -70,7 +70,7 @@ class ClosedLoop(BaseSummary):
         """The steady course: psi, rudder [rad], v [m/s], r [rad/s], and the propeller revolutions [1/s]."""
         linear = linearize(self.model, self.y, self.u, waterway=self.waterway, at=self.x)
         names = ("psi", "v", "r", "rudder", *(a.name for a in self.model.terms.actuators if a.name != "rudder"))
-        return {name: float(linear.course[name]) for name in names}
+        return {name: linear.course[name] for name in names}
 
     def simulate(self, duration: float | None = None, seed: int = 0, **voyage: Any) -> Voyage:
         """Simulate one voyage as ``simulate`` does, by default for 40 ship lengths from the steady course.
