@@ -346,7 +346,7 @@ class Doors:
             told["conditions"] = nw.SteadyConditions(**given(CONDITIONS, chance))
         kind = chance.randrange(4)
         if kind == 0:
-            asked = given("offsets speeds legs targets reserve clearance", chance)
+            asked = given("offsets speeds legs targets", chance)
             nw.plan_steady(HELD, **asked, **told)
         elif kind == 1:
             nw.learn_steady(HELD, self._file("h.csv", bytes_of(LEGS.encode(), chance)), **told)

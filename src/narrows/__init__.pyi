@@ -40,7 +40,6 @@ from .logbook.ship_log import ShipLog as ShipLog
 from .logbook.ship_log import ShipRecord as ShipRecord
 from .logbook.ship_log import Signal as Signal
 from .logbook.ship_log import SignalGrade as SignalGrade
-from .logbook.steady_legs import PlannedLeg as PlannedLeg
 from .logbook.steady_legs import SteadyFit as SteadyFit
 from .logbook.steady_legs import SteadyPlan as SteadyPlan
 from .logbook.steady_legs import learn_steady as learn_steady

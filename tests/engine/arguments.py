@@ -339,8 +339,7 @@ class Table:
             "plan_steady": Entry(
                 plan,
                 {"model": surer, "offsets": [0.4], "speeds": [0.45], "legs": 4, "targets": ("c_helm",),
-                 "conditions": nw.SteadyConditions(wind=1.0),
-                 "reserve": 0.9, "clearance": 1.0},
+                 "conditions": nw.SteadyConditions(wind=1.0)},
                 answer=lambda found: found.to_dict(),
             ),
         }  # fmt: skip

@@ -14,7 +14,7 @@ import narrows as nw
 MADE = {
     "BankForce", "CaptiveTests", "Comparison", "DepthCorrected",
     "Explanation", "Fit", "InformationForecast", "InputError",
-    "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
+    "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "SafeEnvelope",
     "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "StoppingTest", "Trials",
     "Turning", "Voyage", "Fleet", "ZigzagTest",
 }  # fmt: skip

@@ -15,6 +15,7 @@ from narrows.control import closed_loop, regulator
 from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
 from narrows.logbook.learning.learn_log import _assumptions
+from narrows.quantities.names import KNOT
 from narrows.report.printed_tables import print_waterway
 from narrows.waterway.geojson import read_line, waterway_from_line, write_waterway
 from tables import DTC_SHIP, frame_of, short_twin
@@ -125,7 +126,7 @@ def test_an_unknown_depth_leaves_the_speeds_of_legs_to_the_tests() -> None:
     plan = nw.plan_steady(without("canal.depth"), [10.0], legs=2)
     fastest = KNOWN["data_range"]["speed"][1]
     assert plan.legs
-    assert all(0 < leg.speed <= fastest for leg in plan.legs)
+    assert all(0 < KNOT * leg["speed"] <= fastest for leg in plan.legs)
     assert re.search(UNKNOWN["canal.depth"], " ".join(plan.notes))
 
 

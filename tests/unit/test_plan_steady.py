@@ -9,6 +9,7 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.steady_legs import usual_offsets, usual_speeds
+from narrows.quantities.names import KNOT
 
 CALM = nw.SteadyConditions(
     wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001,
@@ -33,21 +34,25 @@ def plan(**told) -> nw.SteadyPlan:
 
 
 def test_legs_come_in_pairs_nearest_first_and_each_side_begins_in_turn() -> None:
-    offsets = [leg.offset for leg in plan(legs=6).legs]
-    assert np.all(np.diff(np.abs(offsets[::2])) >= 0)
-    for number, (first, other) in enumerate(zip(offsets[::2], offsets[1::2], strict=True)):
-        assert first == -other
-        assert (first > 0) == (number % 2 == 0)
+    legs = plan(legs=6).legs
+    assert np.all(np.diff([abs(leg["offset"]) for leg in legs[::2]]) >= 0)
+    for number, (first, other) in enumerate(zip(legs[::2], legs[1::2], strict=True)):
+        assert first["offset"] == -other["offset"]
+        assert (first["offset"] > 0) == (number % 2 == 0)
+        assert [leg["side"] == "starboard" for leg in (first, other)] == [number % 2 == 0, number % 2 == 1]
+        for angle in ("rudder", "drift"):
+            assert first[f"{angle}_low"] == pytest.approx(-other[f"{angle}_high"])
+            assert first[f"{angle}_low"] < first[f"{angle}_median"] < first[f"{angle}_high"]
 
 
 def test_every_leg_leaves_rudder_side_and_keel() -> None:
     found = plan()
     limit, canal = found.most_rudder, ship().configuration.canal
     for leg in found.legs:
-        course = nw.steady_course(ship(), y=leg.offset, u=leg.speed, samples=2000, seed=9)
+        course = nw.steady_course(ship(), y=leg["offset"], u=KNOT * leg["speed"], samples=2000, seed=9)
         assert np.mean(np.abs(course["rudder"]) <= limit) >= 0.93
-        assert canal.width / 2 - abs(leg.offset) - ship().configuration.ship.beam / 2 >= found.clearance
-        assert leg.speed < nw.choke_speed(ship().configuration)
+        assert canal.width / 2 - abs(leg["offset"]) >= ship().configuration.ship.beam
+        assert KNOT * leg["speed"] < nw.choke_speed(ship().configuration)
 
 
 def test_what_it_tells_is_what_the_legs_teach() -> None:
@@ -55,12 +60,12 @@ def test_what_it_tells_is_what_the_legs_teach() -> None:
     found = plan()
     assert found.std["c_bank"][-1] < 0.5 * found.std["c_bank"][0]
     assert np.all(np.diff(found.std["c_bank"]) <= 0)
-    y, u = (np.array([getattr(leg, name) for leg in found.legs]) for name in ("offset", "speed"))
+    y, u = (size * found.to_dataframe()[name].to_numpy() for name, size in (("offset", 1.0), ("speed", KNOT)))
     heave = np.array([nw.squat(ship().configuration, speed).sinkage for speed in u])
     held = [nw.steady_course(ship(), y=a, u=b, heave=c) for a, b, c in zip(y, u, heave, strict=True)]
     read = {"y": y, "u": u, "rudder": [float(c["rudder"]) for c in held], "drift": [float(c["psi"]) for c in held]}
     learned = nw.learn_steady(ship(), read, conditions=CALM)
-    for name in found.targets:
+    for name in found.std:
         assert found.std[name][-1] == pytest.approx(learned.std[name], rel=1e-3)
 
 
@@ -80,8 +85,8 @@ def test_where_no_leg_is_allowed_there_is_none_and_the_answer_says_why() -> None
 
 
 def test_offsets_and_speeds_are_round_and_within_the_canal() -> None:
-    offsets, speeds = usual_offsets(ship(), 0.3), usual_speeds(ship())
-    assert offsets[-1] <= 3.5 - 0.286 - 0.3
+    offsets, speeds = usual_offsets(ship()), usual_speeds(ship())
+    assert offsets[-1] <= 3.5 - 2 * 0.286
     assert np.allclose(offsets / offsets[0], np.arange(1, len(offsets) + 1))
     assert speeds.min() >= 0.45
     assert speeds.max() <= 1.05
@@ -92,8 +97,6 @@ def test_offsets_and_speeds_are_round_and_within_the_canal() -> None:
     [
         ({"legs": 3}, "even number"),
         ({"legs": 0}, "whole number"),
-        ({"reserve": 1.0}, "share under 1"),
-        ({"clearance": 9.0}, "leaves no offset"),
         ({"offsets": [0.0]}, "over 0"),
         ({"targets": ("d_bank",)}, "unknown coefficient 'd_bank'"),
     ],

@@ -35,7 +35,7 @@ def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on(tmp_path: P
     page = (tmp_path / "page.html").read_text(encoding="utf-8")
     for said in (
         "BREAK OFF", f"{np.degrees(planned(4).most_rudder):.0f} degrees", "on simulated twins only", "<svg",
-        f"<td>{planned(4).legs[0].offset:g} m starboard</td>",
+        f"<td>{planned(4).legs[0]['offset']:g} m starboard</td>",
     ):  # fmt: skip
         assert said in page
 

@@ -9,7 +9,7 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.steady_legs import PlannedLeg, usual_offsets, usual_speeds
+from narrows.logbook.steady_legs import usual_offsets, usual_speeds
 from narrows.logbook.steady_readings import best_pairs, left_over, shared_errors, steady_push
 from narrows.logbook.transits import (
     TransitConditions,
@@ -249,23 +249,19 @@ def test_pairs_are_those_of_a_greedy_choice_and_one_exchange() -> None:
     assert best_pairs(problem, pairs[:0], ("a",), 3) == []  # type: ignore[arg-type]
 
 
-def test_a_leg_to_the_other_side_has_its_angles_turned() -> None:
-    leg = PlannedLeg(2.0, 4.0, (0.1, 0.2, 0.4), (-0.03, 0.01, 0.02))
-    other = leg.mirrored()
-    assert (other.offset, other.speed, other.side, leg.side) == (-2.0, 4.0, "port", "starboard")
-    assert (other.rudder, other.drift) == ((-0.4, -0.2, -0.1), (-0.02, -0.01, 0.03))
-
-
 def canal(ship: nw.Model, width: float, speed: tuple[float, float] | None, depth: float | None = None) -> nw.Model:
     own = replace(ship.configuration, canal=nw.Canal(width, depth))
     return replace(ship, configuration=own, data_range=replace(ship.data_range, speed=speed))
 
 
 def test_usual_offsets_are_in_round_steps_of_about_a_twentieth(ship: nw.Model) -> None:
-    """Half of 7 m less half a beam, less a clearance: of 2.9 m steps of 0.1 m."""
+    """Half of the width less a beam: of 2.93 m steps of 0.1 m. In a canal of two beams there is none."""
     beam = ship.configuration.ship.beam
-    np.testing.assert_allclose(usual_offsets(canal(ship, 7.0, None), 3.5 - beam / 2 - 2.93), 0.1 * np.arange(1, 30))
-    np.testing.assert_allclose(usual_offsets(canal(ship, 7.0, None), 3.5 - beam / 2 - 0.85), 0.04 * np.arange(1, 22))
+    for room, step, count in ((2.93, 0.1, 29), (0.85, 0.04, 21)):
+        found = usual_offsets(canal(ship, 2 * (room + beam), None))
+        np.testing.assert_allclose(found, step * np.arange(1, count + 1))
+    with pytest.raises(nw.InputError, match="leaves no offset"):
+        usual_offsets(canal(ship, 2 * beam, None))
 
 
 def test_usual_speeds_are_round_numbers_of_knots_within_the_tests(ship: nw.Model) -> None:

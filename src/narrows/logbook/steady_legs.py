@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.special import chdtrc
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, check_count, shown
+from narrows.base.errors import InputError, check_count
 from narrows.base.results import Tabulated
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.logbook import settings
@@ -44,7 +44,6 @@ from narrows.model.sections import Source
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
-from narrows.ship.checks import is_finite
 from narrows.simulation.outcome import water_notes
 
 
@@ -187,49 +186,29 @@ def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float
     yield "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
-@dataclass(frozen=True)
-class PlannedLeg:
-    """A leg to hold."""
-
-    offset: float  #: Offset to starboard of the middle [m]
-    speed: float  #: Speed through the water [m/s]
-    rudder: tuple[float, ...]  #: Rudder that holds it: 5 %, 50 % and 95 % quantiles, given the tests [rad]
-    drift: tuple[float, ...]  #: The same of the drift, bow to starboard positive [rad]
-
-    @property
-    def side(self) -> str:
-        """``starboard`` or ``port``."""
-        return "starboard" if self.offset > 0 else "port"
-
-    def mirrored(self) -> "PlannedLeg":
-        """Return the leg to the other side."""
-        angles = (tuple(-angle for angle in reversed(own)) for own in (self.rudder, self.drift))
-        return PlannedLeg(-self.offset, self.speed, *angles)
-
-
 @dataclass(frozen=True, repr=False)
 class SteadyPlan(Tabulated):
     """Legs to hold, in the order to hold them."""
 
-    legs: tuple[PlannedLeg, ...]  #: Nearest the middle first; none where none is allowed
-    targets: tuple[str, ...]  #: The coefficients that they are chosen for
-    std: Mapping[str, np.ndarray]  #: (legs + 1,) Standard error of each, before the first leg and after each
+    #: A row a leg, nearest the middle first; none where none is allowed: ``offset`` to starboard [m], ``side``,
+    #: ``speed`` through the water [kn], 5 %, 50 % and 95 % quantiles of rudder and drift, given the tests
+    #: (``rudder_low`` ...) [deg], and standard errors once it is read (``std b_bank`` ...)
+    legs: tuple[Mapping[str, Any], ...]
+    std: Mapping[str, np.ndarray]  #: (legs + 1,) Standard error of each target, before the first leg and after each
     model: Model  #: The ship
     conditions: SteadyConditions  #: Wind, zeros, what is left of motion, and errors of the readings
-    reserve: float  #: Share of the rudder that every leg leaves [1]
-    clearance: float  #: Clearance from the hull's side to a bank that every leg leaves [m]
     farthest: float  #: Largest allowed offset of legs [m]
     notes: tuple[str, ...]  #: Rejected legs and why, and assumptions
 
     @property
     def most_rudder(self) -> float:
         """Rudder [rad] at which a leg is to be broken off: what leaves the reserve."""
-        return (1 - self.reserve) * self.model.configuration.gear.limit
+        return (1 - RESERVE) * self.model.configuration.gear.limit
 
     @property
     def settling(self) -> float:
         """Settling time on the slowest leg before it is read [s]."""
-        slowest = min((leg.speed for leg in self.legs), default=np.inf)
+        slowest = KNOT * min((leg["speed"] for leg in self.legs), default=np.inf)
         return settings.SETTLING * self.model.configuration.ship.length / slowest
 
     def summary(self) -> str:
@@ -241,13 +220,7 @@ class SteadyPlan(Tabulated):
 
     def rows(self) -> list[dict[str, Any]]:
         """Give a row a leg, in metres, knots and degrees, with the standard errors once it is read."""
-        return [
-            {"offset": leg.offset, "side": leg.side, "speed": leg.speed / KNOT}
-            | {f"{what}_{name}": float(np.degrees(angle)) for what in ("rudder", "drift")
-               for name, angle in zip(("low", "median", "high"), getattr(leg, what), strict=True)}
-            | {f"std {name}": float(self.std[name][i]) for name in self.targets}
-            for i, leg in enumerate(self.legs, start=1)
-        ]  # fmt: skip
+        return [dict(leg) for leg in self.legs]
 
     def to_dict(self) -> dict[str, Any]:
         return {
@@ -255,10 +228,13 @@ class SteadyPlan(Tabulated):
             "legs": self.rows(),
             "targets": {n: {"std": float(std[0]), "std_after": float(std[-1])} for n, std in self.std.items()},
             "break_off_rudder": float(np.degrees(self.most_rudder)),
-            "clearance": self.clearance,
+            "clearance": self.model.configuration.ship.beam / 2,
             "farthest": self.farthest,
             "notes": list(self.notes),
         }  # fmt: skip
+
+
+ANGLES = [f"{angle}_{quantile}" for angle in ("rudder", "drift") for quantile in ("low", "median", "high")]
 
 
 @accept_aliases
@@ -266,13 +242,12 @@ def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), conditions: SteadyConditions | None = None,
-    reserve: float = RESERVE, clearance: float | None = None,
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
     Legs come in pairs to either side, since opposite sides cancel wind and zeros. A leg is allowed if in 95 % of the
-    samples of the coefficients the steady rudder leaves its reserve, and side and keel their clearance. Whether a pilot
-    holds the ship there is a test of ``safe_envelope``.
+    samples of the coefficients the steady rudder leaves a third of its range, the side half a beam to the bank, and the
+    keel its clearance. Whether a pilot holds the ship there is a test of ``safe_envelope``.
 
     Raises an InputError where the model has no rudder or no covariance, a number is out of range, or a target is
     unknown.
@@ -285,44 +260,45 @@ def plan_steady(
         Offsets to either side, and speeds through the water, that may be held.
     legs, targets, conditions : int, sequence of str, SteadyConditions
         Number of legs, even; the coefficients that matter, by default those of the bank; errors of the readings.
-    reserve, clearance : float [1], [m], optional
-        Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     """
     check_rudder(model)
     check_covariance(model)
     names, conditions = learnable(model, targets), conditions or SteadyConditions()
-    side = model.configuration.ship.beam / 2 if clearance is None else clearance
     check_count("legs", legs, 2, settings.MOST_LEGS)
     if legs % 2:
         raise InputError(f"legs = {legs}: give an even number, for wind and zeros cancel over both sides")
-    if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(side) and side >= 0):
-        raise InputError(
-            f"reserve = {shown(reserve)}, clearance = {shown(side)} m: give a share under 1, and metres from 0"
-        )
-    beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
+    beside = usual_offsets(model) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
-    allowed, refused = allowed_legs(model, beside, ahead, reserve, side)
-    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, conditions))
-    size = len(problem.precision)
-    pairs = problem.informations().reshape(2, len(allowed), size, size).swapaxes(0, 1)
-    best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
-    order = sorted(best, key=lambda i: (allowed[i].offset, allowed[i].speed))
-    # The sides come first in turn, so that what grows with time cancels too.
-    held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
-    information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
-    known = [expected_std(problem, one) for one in information]
-    std = {name: np.array([one[name] for one in known]) for name in names}
+    (y, u, rudder, drift), refused = allowed_legs(model, beside, ahead)
+    # Legs held exactly at each place, to starboard and then to port.
+    side = np.repeat([1.0, -1.0], len(y))
+    medians = side * np.tile(y, 2), np.tile(u, 2), *(side * np.tile(angle[:, 1], 2) for angle in (rudder, drift))
+    stated = {name: np.full(len(side), reading_error(conditions, name)) for name in READ}
+    readings = SteadyReadings(tuple(map(str, range(len(side)))), dict(zip(READ, medians, strict=True)), stated)
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
+    informations = problem.informations()
+    starboard, port = np.split(informations, 2)
+    best = best_pairs(problem, starboard + port, names, legs // 2)
+    rows, information = list[dict[str, Any]](), np.zeros(problem.precision.shape)
+    before = expected_std(problem, information)
+    for turn, i in enumerate(sorted(best, key=lambda i: (y[i], u[i]))):
+        # The sides come first in turn, so that what grows with time cancels too.
+        for sign, part in ((-1, port), (1, starboard))[:: -1 if turn % 2 == 0 else 1]:
+            information = information + part[i]
+            after = expected_std(problem, information)
+            angles = np.degrees([sign * a[i, ::sign] for a in (rudder, drift)]).ravel().tolist()
+            place = {"offset": sign * float(y[i]), "side": "port" if sign < 0 else "starboard"}
+            row = place | {"speed": float(u[i]) / KNOT} | dict(zip(ANGLES, angles, strict=True))
+            rows.append(row | {f"std {name}": after[name] for name in names})
+    std = {name: np.array([before[name], *(row[f"std {name}"] for row in rows)]) for name in names}
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *refused,
         f"Assumed: {conditions.summary()}.",
         "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
         "ship there, and the master decides.",
     )  # fmt: skip
-    return SteadyPlan(
-        tuple(allowed[i] if sign > 0 else allowed[i].mirrored() for i, sign in held), names, std, model, conditions,
-        reserve, side, max((leg.offset for leg in allowed), default=0.0), notes,
-    )  # fmt: skip
+    return SteadyPlan(tuple(rows), std, model, conditions, float(y.max(initial=0.0)), notes)
 
 
 def _rising(name: str, values: object) -> np.ndarray:
@@ -335,19 +311,11 @@ def _rising(name: str, values: object) -> np.ndarray:
     return np.unique(column)
 
 
-def held_exactly(legs: Sequence[PlannedLeg], conditions: SteadyConditions) -> SteadyReadings:
-    """Return the readings of legs held as planned at each place, to starboard and then to port."""
-    both = [*legs, *(leg.mirrored() for leg in legs)]
-    columns = np.array([(leg.offset, leg.speed, leg.rudder[1], leg.drift[1]) for leg in both]).reshape(-1, 4).T
-    stated = {name: np.full(len(both), reading_error(conditions, name)) for name in READ}
-    return SteadyReadings(tuple(map(str, range(len(both)))), dict(zip(READ, columns, strict=True)), stated)
-
-
-def usual_offsets(model: Model, clearance: float) -> np.ndarray:
-    """Return offsets to starboard that leave a clearance, in round steps, (n,) [m]."""
-    room = (model.configuration.canal.width - model.configuration.ship.beam) / 2 - clearance
+def usual_offsets(model: Model) -> np.ndarray:
+    """Return offsets to starboard that leave half a beam to the bank, in round steps, (n,) [m]."""
+    room = model.configuration.canal.width / 2 - model.configuration.ship.beam
     if room <= 0:
-        raise InputError(f"a clearance of {clearance:g} m leaves no offset in this canal; give less")
+        raise InputError("half a beam to the bank leaves no offset in this canal; plan in a wider one")
     step = float(f"{room / settings.OFFSET_STEPS:.0e}")
     return np.asarray(step * np.arange(1, math.floor(room / step) + 1))
 
@@ -369,30 +337,29 @@ def usual_speeds(model: Model) -> np.ndarray:
 
 
 def allowed_legs(
-    model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float
-) -> tuple[list[PlannedLeg], list[str]]:
-    """Return the legs to starboard that may be held, and sentences on the others."""
+    model: Model, offsets: np.ndarray, speeds: np.ndarray
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], list[str]]:
+    """Return offsets, speeds, rudders and drifts (n, 3) of legs to starboard that may be held; sentences on others."""
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
     drawn = steady_course(model, samples=settings.PLAN_SAMPLES, **steady).transpose("place", "sample")
-    rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
-    angles = [np.quantile(part, (0.05, 0.5, 0.95), axis=1, method="higher").T for part in (rudder, psi)]
+    helm, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
+    rudder, drift = (np.quantile(part, (0.05, 0.5, 0.95), axis=1, method="higher").T for part in (helm, psi))
     gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
     with np.errstate(invalid="ignore"):  # No steady course
-        turned = ship.length / 2 * np.abs(np.sin(angles[1][:, 1]))
-    beside = canal.width / 2 - np.abs(y) - ship.beam / 2 - turned >= clearance
+        turned = ship.length / 2 * np.abs(np.sin(drift[:, 1]))
+    beside = canal.width / 2 - np.abs(y) - ship.beam / 2 - turned >= ship.beam / 2
     unknown = np.isnan(keel.clearance) & (canal.depth is None)
     clear = beside & (unknown | (keel.clearance >= KEEL_SHARE * ship.draft)) & (u < keel.choke)
-    within = (np.abs(rudder) <= (1 - reserve) * gear.limit).mean(axis=1)
+    within = (np.abs(helm) <= (1 - RESERVE) * gear.limit).mean(axis=1)
     notes, allowed = [], clear & (within >= SURE_SHARE)
     if (short := clear & ~allowed).any():
         first = int(np.argmin(np.where(short, y, np.inf)))
         notes.append(
             f"{short.sum()} of {len(y)} places are not allowed for the rudder: at {y[first]:.3g} m only "
-            f"{100 * within[first]:.0f} % of the samples leave {100 * reserve:.0f} % of it."
+            f"{100 * within[first]:.0f} % of the samples leave {100 * RESERVE:.0f} % of it."
         )
     if not clear.all():
-        notes.append(f"{(~clear).sum()} are not allowed for the keel, or for {clearance:.3g} m to the bank.")
-    rows = zip(*(part[allowed].tolist() for part in (y, u, *angles)), strict=True)
-    return [PlannedLeg(at, speed, tuple(helm), tuple(drift)) for at, speed, helm, drift in rows], notes
+        notes.append(f"{(~clear).sum()} are not allowed for the keel, or for {ship.beam / 2:.3g} m to the bank.")
+    return (y[allowed], u[allowed], rudder[allowed], drift[allowed]), notes

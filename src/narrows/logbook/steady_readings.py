@@ -327,14 +327,9 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     before = np.asarray(model.covariance)
     places = [place for place in map(model.terms.names.index, names) if before[place].any()]
     rows = problem.prior.regression[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
-
-    def next_pair(held: list[int]) -> int:
-        after = np.linalg.inv(problem.precision + pairs[held].sum(axis=0) + pairs)[:, inside, inside]
-        return int(np.einsum("ni,pij,nj->p", rows, after, rows).argmin())
-
     best: list[int] = []
-    for _ in range(count if len(pairs) else 0):
-        best.append(next_pair(best))
-    for place in range(len(best)):
-        best[place] = next_pair(best[:place] + best[place + 1 :])
+    for turn in range(2 * count if len(pairs) else 0):
+        kept = best[turn >= count :]
+        after = np.linalg.inv(problem.precision + pairs[kept].sum(axis=0) + pairs)[:, inside, inside]
+        best = [*kept, int(np.einsum("ni,pij,nj->p", rows, after, rows).argmin())]
     return best

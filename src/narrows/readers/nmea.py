@@ -55,7 +55,8 @@ SOURCES = {
     "speed over ground in the ship's axes": ("VBW",),
     "wind": ("MWD",),
 }
-WATER_DEPTH = "depth of water"  # Group of the echo sounder
+# Groups that are not measured by a navigation sensor: the ship's draft, and the echo sounder's depth.
+PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 
 
 def decode_text(text: bytes, kind: str, mmsi: int | None = None) -> DecodedMessage | None:

@@ -146,11 +146,12 @@ STRAYED = 0.25
 
 def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
     ship = plan.model.configuration.ship
-    run = max(leg.speed for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
+    run = KNOT * max(leg["speed"] for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
     legs = [
-        (f"{abs(leg.offset):g} m {leg.side}", f"{leg.speed / KNOT:g} kn", _turned(leg.rudder), _turned(leg.drift, 1))
+        (f"{abs(leg['offset']):g} m {leg['side']}", f"{leg['speed']:g} kn",
+         _turned(leg["rudder_low"], leg["rudder_high"]), _turned(leg["drift_low"], leg["drift_high"], 1))
         for leg in plan.legs
-    ]
+    ]  # fmt: skip
     write_page(
         path, "pilot.html.j2", title="Holding the ship to either side: what the bank does", plan=plan, legs=legs,
         picture_of_legs=figure(legs_figure(plan), "The legs from above, the ship going up the page."),
@@ -159,9 +160,8 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
     )  # fmt: skip
 
 
-def _turned(angles: tuple[float, ...], digits: int = 0) -> str:
-    """A range of angles by side: P to port, S to starboard."""
-    low, _, high = np.degrees(angles)
+def _turned(low: float, high: float, digits: int = 0) -> str:
+    """A range of angles [deg] by side: P to port, S to starboard."""
     return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))
 
 
@@ -179,12 +179,12 @@ def legs_figure(plan: SteadyPlan) -> Figure:
         axes.axvline(sign * half, color=BLACK, lw=4)
         axes.text(sign * 0.97 * half, 0.06, side, rotation=90, va="bottom", ha=ends, fontsize=8)
     axes.axvline(0, color=GREY, lw=0.8, ls="-.")
-    places = sorted({leg.offset for leg in plan.legs})
+    places = sorted({leg["offset"] for leg in plan.legs})
     look: dict[str, Any] = {"ha": "center", "va": "center", "color": "white", "weight": "bold", "fontsize": 8}
     for row, offset in enumerate(places):  # Each hull ahead of the last, so that neighbours do not overlap.
         hull = [(offset + across * ship.beam, row + 0.05 + 0.9 * along) for across, along in HULL]
         axes.add_patch(Polygon(hull, facecolor=BLUE if offset > 0 else ORANGE, edgecolor=BLACK, lw=0.8, alpha=0.85))
-        numbers = ", ".join(str(i) for i, leg in enumerate(plan.legs, start=1) if leg.offset == offset)
+        numbers = ", ".join(str(i) for i, leg in enumerate(plan.legs, start=1) if leg["offset"] == offset)
         axes.text(offset, row + 0.5, numbers, **look)
     axes.set(xlim=(-1.05 * half, 1.05 * half), ylim=(-0.1, len(places) + 0.25), yticks=[])
     axes.set_xticks([-half, *places, 0, half], [f"{x:+.3g}" if x else "0" for x in (-half, *places, 0, half)])
@@ -292,6 +292,6 @@ LEGS = {
 
 
 def print_steady_plan(plan: SteadyPlan) -> None:
-    columns = LEGS | {f"std {name} then": f"{{std {name}:.2g}}" for name in plan.targets}
+    columns = LEGS | {f"std {name} then": f"{{std {name}:.2g}}" for name in plan.std}
     rows = [{"leg": number, **row} for number, row in enumerate(plan.rows(), start=1)]
     print_result(plan, table_of(columns, rows) if plan.legs else None)

@@ -37,6 +37,7 @@ class C(Language):
 TYPES = {
     "Array": "double *{}",
     "StepState": "double *{}",
+    "Filled": "double *{}",
     "float": "double {}",
     "int": "int {}",
     "bool": "bool {}",
