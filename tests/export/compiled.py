@@ -18,15 +18,9 @@ needs_compiler = pytest.mark.skipif(COMPILER is None, reason="no C compiler is h
 CALLS = """
 #include "ship.h"
 #ifdef WATER
-static ship_waterway canal;
-#define CANAL , &canal
-#define OF_BANKS &canal
-void of_the_model(void) { canal = ship_canal; }
-void of_sections(const double *sections, int count, int nodes, double *table, double *track) {
-    canal = ship_waterway_of((const ship_section *)(const void *)sections, count, nodes, table, track);
-}
+#define CANAL , &ship_canal
+#define OF_BANKS &ship_canal
 #else
-void of_the_model(void) { }
 #define CANAL
 #define OF_BANKS &k
 #endif
@@ -91,7 +85,6 @@ class CompiledShip:
         self.inputs = np.zeros(self.library.inputs())
         self.library.defaults(pointer(self.parameters), pointer(self.inputs))
         text = (folder / "ship.h").read_text(encoding="utf-8")
-        self.library.of_the_model()
         self.names = fields(text, "inputs")
         self.at_rest = self.inputs.copy()
         self.set()
@@ -102,13 +95,6 @@ class CompiledShip:
         for name, value in inputs.items():
             self.inputs[self.names.index(name)] = value
         self.library.prepare(pointer(self.parameters), pointer(self.inputs))
-
-    def lie_in(self, sections: np.ndarray, nodes: int, told: int | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Sail from now on in a waterway that is filled by sections, of so many nodes as told; its table and track."""
-        self.water = np.zeros(18 * (nodes - 1)), np.zeros(9 * (nodes + 2))
-        rows = np.ascontiguousarray(sections, float)
-        self.library.of_sections(pointer(rows), len(rows), nodes if told is None else told, *map(pointer, self.water))
-        return self.water
 
     def called(self, name: str, state: Sequence[float], size: int, *more: float) -> np.ndarray:
         """What a function of the header writes."""

@@ -15,9 +15,8 @@ from compiled import COMPILER, FLAGS, CompiledShip, needs_compiler
 from exported import STEERED, TABLES, bent, model_of, speed_of, states
 
 import narrows as nw
-from narrows.codegen.choices import COLUMNS
 from narrows.simulation.initial_state import POSE, initial_state
-from narrows.simulation.ship import SimulatedShip, along_waterway, steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.waterway.bank_clearance import exact_clearance
 
 pytestmark = needs_compiler
@@ -142,36 +141,6 @@ def test_voyages_end_where_those_of_python_do(ships: Any, name: str, curved: boo
     voyages_agree(ships(name, curved), name, bent(name) if curved else None, "corners")
 
 
-def test_a_waterway_filled_in_c_is_that_of_python(ships: Any) -> None:
-    """By the walls, depths and curvatures of every node: the same table, the same line and banks, the same voyages."""
-    ship, water = ships("steered", True), along_waterway(bent("steered"), model_of("steered"), "corners")
-    cells = water.table.reshape(-1, len(COLUMNS), 2)
-    nodes = np.concatenate([cells[:, :, 0], cells[-1:].sum(axis=2)])[:, [0, 1, 2, 3, 7, 8]]
-    along = np.linspace(0.0, bent("steered").line.length, len(nodes))
-    try:
-        table, track = ship.lie_in(np.column_stack([along, nodes]), len(nodes))
-        close(np.delete(table.reshape(cells.shape), (5, 6), axis=1), np.delete(cells, (5, 6), axis=1), 1e-12)
-        close(track, water.track, 1e-12)
-        voyages_agree(ship, "steered", bent("steered"), "corners")
-    finally:
-        ship.library.of_the_model()
-
-
-def test_sections_of_a_waterway_are_straight_between(ships: Any) -> None:
-    ship = ships("steered", True)
-    wide, narrow = [0.0, 4.0, 3.5, 0.3, 0.01, 3.9, 3.4], [40.0, 3.0, 3.5, 0.4, 0.0, 2.9, 3.4]
-    try:
-        table, track = ship.lie_in(np.array([wide, narrow, [60.0, *narrow[1:]]]), 121)
-    finally:
-        ship.library.of_the_model()
-    of = dict(zip(COLUMNS, np.moveaxis(table.reshape(120, len(COLUMNS), 2), 1, 0), strict=True))
-    share = np.minimum(np.arange(120) / 80, 1.0)
-    for name, column in (("starboard", 1), ("port", 2), ("depth", 3), ("curvature", 4), ("keel_starboard", 5)):
-        close(of[name][:, 0], wide[column] + share * (narrow[column] - wide[column]), 1e-12)
-    # A clothoid: the heading at its end by the mean of its curvature, and straight from there.
-    close(np.arctan2(track[9 * 121 + 3], track[9 * 121 + 2]), 0.01 / 2 * 40.0, 1e-12)
-
-
 OUTLINE = [(2.0, 0.0), (1.4, 0.3), (-1.9, 0.3), (-1.9, -0.3), (1.4, -0.3)]
 
 
@@ -236,15 +205,6 @@ def printed(program: str, folder: Path) -> str:
     (folder / "main.c").write_text(program, encoding="utf-8")
     subprocess.run([COMPILER, *FLAGS, "-O2", "main.c", "-o", "main", "-lm"], cwd=folder, check=True)
     return subprocess.run([folder / "main"], capture_output=True, text=True, check=True).stdout
-
-
-def test_the_sections_of_the_docs_are_c(tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
-    nw.export.write(model_of("paper"), tmp_path / "dtc.h", waterway=bent("paper"))
-    lines = page.split("```c\n")[2].split("```")[0].replace("\n", "\n    ")
-    text = f'#include "dtc.h"\nint main(void) {{\n    {lines}return waterway.table_length == 0;\n}}\n'
-    (tmp_path / "main.c").write_text(text, encoding="utf-8")
-    subprocess.run([COMPILER, *FLAGS, "-fsyntax-only", "main.c"], cwd=tmp_path, check=True)
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is here")

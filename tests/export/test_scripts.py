@@ -7,7 +7,6 @@ import runpy
 import shutil
 import subprocess
 import sys
-import tarfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -171,24 +170,6 @@ def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
     outcome = sailed(name, curved)
     assert said["outcome"] == 1
     np.testing.assert_allclose(reached(said["state"]), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
-
-
-@pytest.mark.skipif(NODE is None, reason="no node is here to run the exported module")
-@pytest.mark.parametrize("curved", [False, True])
-def test_the_package_of_npm(tmp_path: Path, curved: bool) -> None:
-    """As npm unpacks it: every export of the module has a type, and no other name has one."""
-    way = bent("steered") if curved else None
-    nw.export.write(model_of("steered"), tmp_path / "tanker.tgz", waterway=way)
-    nw.export.write(model_of("steered"), tmp_path / "tanker.mjs", waterway=way)
-    with tarfile.open(tmp_path / "tanker.tgz") as packed:
-        packed.extractall(tmp_path / "node_modules", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
-    folder = (tmp_path / "node_modules" / "package").rename(tmp_path / "node_modules" / "tanker")
-    assert (folder / "index.mjs").read_bytes() == (tmp_path / "tanker.mjs").read_bytes()
-    (tmp_path / "run.mjs").write_text('import * as s from "tanker"; console.log(JSON.stringify(Object.keys(s)));')
-    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    typed = re.findall(r"^export (?:const|function) (\w+)", (folder / "index.d.ts").read_text(), re.MULTILINE)
-    assert sorted(json.loads(done.stdout)) == sorted(typed)
-    assert json.loads((folder / "package.json").read_text())["name"] == "tanker"
 
 
 # Ships whose equations are typeset, with their pages.

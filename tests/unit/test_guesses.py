@@ -222,7 +222,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
     "nw.warn": (lambda: nw.warn, "or `narrows monitor` in a terminal"),  # type: ignore[attr-defined]
     "model.set(b_v=1)": (lambda: DTC.set(b_v=1.0), r"write with_coefficients\("),  # type: ignore[attr-defined]
-    "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .c"),  # type: ignore[attr-defined]
+    "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .fmu"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),

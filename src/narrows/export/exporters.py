@@ -48,9 +48,9 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     The files have rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that
     simulation in Python uses. Their names begin with the name of the file.
 
-    The kinds and their suffixes are c (``.h``, ``.hpp``), js (``.mjs``, ``.js``, ``.tgz`` for npm), python (``.py``),
-    matlab (``.m``, ``.c`` for Simulink), fmu (``.fmu``), page (``.html``), latex (``.tex``) and bank-force (``.h``,
-    ``.cs``, ``.mjs``, ``.m``, ``.fmu``); ``EXPORTERS`` describes each. FMUs and pages need ziglang (the extra ``fmu``).
+    The kinds and their suffixes are c (``.h``, ``.hpp``), js (``.mjs``, ``.js``), python (``.py``), matlab (``.m``),
+    fmu (``.fmu``), page (``.html``), latex (``.tex``) and bank-force (``.h``, ``.cs``, ``.mjs``, ``.m``, ``.fmu``);
+    ``EXPORTERS`` describes each. FMUs and pages need ziglang (the extra ``fmu``).
 
     Raises an InputError if there is no such language, an option does not apply, the model lacks coefficients for its
     equations, the ship does not fit the waterway, the controller is no law in arithmetic, a compiler fails, or the file
@@ -117,11 +117,10 @@ _ROWS = (
     Exporter(
         "fmu", "an FMU of FMI 2.0 or 3.0", (".fmu",), ("fmu", "fmu_file"), (*SHIP, "fmi", "u", "dt"), about_libraries,
     ),
-    Exporter("js", "an ES module, or an npm package of it with types", (".mjs", ".js", ".tgz"), SHIP_FILE, SHIP),
+    Exporter("js", "an ES module", (".mjs", ".js"), SHIP_FILE, SHIP),
     Exporter("latex", "the equations of the forces", (".tex",), ("ship_files", "latex_file"), ()),
     Exporter(
-        "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function", (".m", ".c"), SHIP_FILE,
-        PHYSICS,
+        "matlab", "a function of MATLAB and Octave in the form of MSS", (".m",), SHIP_FILE, PHYSICS,
     ),
     Exporter(
         "page", "a page that sails fleets in a browser", (".html",), ("page.assembly", "page_file"),

@@ -1,14 +1,9 @@
 """A ship as one file of a language: a C header, an ES module, a Python file."""
 
 import ast
-import gzip
-import json
-import tarfile
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from functools import partial
-from importlib.metadata import version
 from inspect import getsource
-from io import BytesIO
 from pathlib import Path
 from textwrap import wrap
 from types import MappingProxyType
@@ -87,10 +82,10 @@ def explained(exported: ExportedShip, language: Language, lines: list[str], name
     return [*lines[: -len(names)], *map(language.commented, lines[-len(names) :], meanings)]
 
 
-def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation], *more: str) -> dict[str, Any]:
+def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation]) -> dict[str, Any]:
     source = plain_functions(exported)
     translation = language(source)
-    plain = [translation.text(one) for one in last_functions(exported, source, *more)]
+    plain = [translation.text(one) for one in last_functions(exported, source)]
     stated = {*OUTCOME_CODES, *(name.upper() for name in exported.kept)}
     columns = [" ".join(name.split("_")) for name in COLUMNS]
     numbers = numbers_of(source, translation.used - stated)
@@ -102,9 +97,9 @@ def numbers_of(source: PlainSource, names: Set[str]) -> list[tuple[str, Any, str
     return [(name, value, source.about.get(name, "")) for name, value in source.constants.items() if name in names]
 
 
-def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:
+def last_functions(exported: ExportedShip, source: PlainSource) -> list[ast.FunctionDef]:
     """Return the plain functions at the end of a file: the clearance if the hull is known, and the voyage."""
-    return source.needed(*(("clearance",) * exported.exact), "integrate", *more)
+    return source.needed(*(("clearance",) * exported.exact), "integrate")
 
 
 def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | None:
@@ -166,12 +161,12 @@ def rendered(template: str, exported: ExportedShip, language: Language, **contex
 
 
 def c_text(exported: ExportedShip) -> str:
-    language, filling = C(exported.prefix), ("fill_table",) if exported.waterway else ()
+    language = C(exported.prefix)
     bodies = {**bodies_of(exported, language), "step_block": "\n    ".join(_block(exported))}
     lanes = lane_functions() if "_lane_" in bodies["step_block"] else {}
     return rendered(
         "model.h.j2", exported, language, f=bodies, lanes=lanes, water=water_of(exported, language),
-        **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
+        **translated(exported, partial(CTranslation, prefix=exported.prefix)),
     )  # fmt: skip
 
 
@@ -202,31 +197,6 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
     )  # fmt: skip
 
 
-def npm_bytes(exported: ExportedShip) -> bytes:
-    language = JavaScript()
-    types = rendered(
-        "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway,
-        outcomes=OUTCOME_CODES,
-    )  # fmt: skip
-    own = {
-        "name": exported.prefix.lower(), "version": version("narrows"), "type": "module",
-        "license": "SEE LICENSE IN README.md",
-        "description": next(exported.about()), "exports": {".": {"types": "./index.d.ts", "default": "./index.mjs"}},
-        "types": "./index.d.ts",
-    }  # fmt: skip
-    texts = {
-        "package.json": json.dumps(own, indent=2) + "\n", "index.mjs": javascript_text(exported), "index.d.ts": types,
-        "README.md": "\n\n".join(exported.about()) + "\n",
-    }  # fmt: skip
-    packed = BytesIO()
-    with tarfile.open(fileobj=packed, mode="w") as archive:
-        for name, text in texts.items():
-            member = tarfile.TarInfo(f"package/{name}")
-            member.size, member.mode = len(text.encode()), 0o644
-            archive.addfile(member, BytesIO(text.encode()))
-    return gzip.compress(packed.getvalue(), mtime=0)
-
-
 def python_text(exported: ExportedShip) -> str:
     language, source = PythonFile(), plain_functions(exported)
     functions = last_functions(exported, source)
@@ -243,7 +213,8 @@ def matlab_text(exported: ExportedShip) -> str:
     where = {name: f"x({number})" for number, name in enumerate(order, 1)}
     for angle in ("psi", *(actuator.name for actuator in exported.geared)):
         where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
-    inputs = _orders_first(exported)
+    pairs = zip(exported.input_names, exported.inputs, strict=True)
+    inputs = sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())  # Orders come first
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
     motion, gear = exported.continuous[:2]
@@ -269,23 +240,9 @@ def matlab_text(exported: ExportedShip) -> str:
     )  # fmt: skip
 
 
-def _orders_first(exported: ExportedShip) -> list[tuple[str, ExportedNumber]]:
-    pairs = zip(exported.input_names, exported.inputs, strict=True)
-    return sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())
-
-
 def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
     states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
     return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.gear)]
-
-
-def simulink_text(exported: ExportedShip) -> str:
-    language = C(exported.prefix)
-    return rendered(
-        "simulink.c.j2", exported, language, c=c_text(exported), states=_states_of_mss(exported),
-        inputs=[one for _, one in _orders_first(exported)], dt=voyage_defaults(exported.ship.model).dt,
-        **rates_of(exported, language),
-    )  # fmt: skip
 
 
 def rates_of(
@@ -314,11 +271,11 @@ def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:
 
 
 # The text of a whole ship, by the suffix of its file.
-TEXTS: dict[str, Callable[[ExportedShip], str | bytes]] = {
-    ".h": c_text, ".hpp": cpp_text, ".mjs": javascript_text, ".js": javascript_text, ".tgz": npm_bytes,
-    ".py": python_text, ".m": matlab_text, ".c": simulink_text,
+TEXTS: dict[str, Callable[[ExportedShip], str]] = {
+    ".h": c_text, ".hpp": cpp_text, ".mjs": javascript_text, ".js": javascript_text,
+    ".py": python_text, ".m": matlab_text,
 }  # fmt: skip
 
 
-def ship_file(model: Model, path: str | Path, suffix: str, **choices: Any) -> tuple[str | bytes, None]:
+def ship_file(model: Model, path: str | Path, suffix: str, **choices: Any) -> tuple[str, None]:
     return TEXTS[suffix](ExportedShip.of(model, path, **choices)), None

@@ -37,7 +37,6 @@ class C(Language):
 TYPES = {
     "Array": "double *{}",
     "StepState": "double *{}",
-    "Filled": "double *{}",
     "float": "double {}",
     "int": "int {}",
     "bool": "bool {}",
