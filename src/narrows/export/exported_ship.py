@@ -175,14 +175,13 @@ class ExportedShip:
         return programs
 
     @cached_property
-    def continuous(self) -> tuple[Program, ...]:
-        """Rates of x, y, psi, u, v, r; those of the gear; and, between banks, the clearance to either side."""
+    def continuous(self) -> tuple[Program, Program]:
+        """Rates of x, y, psi, u, v, r, and those of the gear."""
         lines, rates = self._rates_here
         motion = Program.of(lines, [rates[name] for name in LINEARISED])
         # The rate equals that of a whole step.
         moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
-        between_banks = [self._equations["clearance"]] if self.ship.shape != OPEN else []
-        return motion, Program.of(self.step.lines, moved), *between_banks
+        return motion, Program.of(self.step.lines, moved)
 
     @cached_property
     def water(self) -> dict[str, Expr]:

@@ -7,7 +7,6 @@ import hashlib
 import math
 import platform
 import shutil
-import struct
 import subprocess
 import sys
 import zipfile
@@ -24,18 +23,14 @@ from textwrap import wrap
 from types import MappingProxyType
 from typing import Any
 
-import sympy
-
 from narrows.base.errors import InputError, needs
-from narrows.codegen.choices import COUNTED, LENGTH
-from narrows.codegen.derivatives import with_tangents
+from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.printers.c import C
-from narrows.export.exported_ship import HEADING, PLACES, USUAL_PREFIX, ExportedNumber, ExportedShip
+from narrows.export.exported_ship import HEADING, USUAL_PREFIX, ExportedNumber, ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, passport
-from narrows.export.ship_files import c_text, commented, filled, places_in, rates_of, rendered
+from narrows.export.ship_files import c_text, commented, filled, places_in, rendered
 from narrows.model.model import Model
 from narrows.quantities.dimensions import dimension_of
 from narrows.ship.checks import POSITIVE, SMALLEST
@@ -57,19 +52,17 @@ class NativeBuild:
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
 
-# Zig's name of each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard,
-# its suffix.
+# Zig's name of each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard
+# (FMI 2.0 has one for macOS), its suffix.
 ZIG = (
     ("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
     ("aarch64-linux-gnu.2.17", {2: "aarch64-linux", 3: "aarch64-linux"}, ".so"),
     ("x86_64-windows-gnu", {2: "win64", 3: "x86_64-windows"}, ".dll"),
-    ("x86_64-macos.11.0", {2: "darwin64", 3: "x86_64-darwin"}, ".dylib"),
+    ("x86_64-macos.11.0", {3: "x86_64-darwin"}, ".dylib"),
     ("aarch64-macos.11.0", {2: "darwin64", 3: "aarch64-darwin"}, ".dylib"),
 )
 
 ZIG_CC = (sys.executable, "-m", "ziglang", "cc")
-PAGE = 1 << 14
-FAT, PROCESSOR, ALIGNMENT = 0xCAFEBABE, slice(4, 12), 14
 LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
 
 
@@ -99,21 +92,12 @@ def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
     """Return a compiler for each available platform: all with ziglang, else this machine's own."""
     if not lacks_zig(""):
         return tuple(
-            NativeBuild(folders[fmi], (*ZIG_CC, "-s", "-target", target), suffix) for target, folders, suffix in ZIG
+            NativeBuild(folders[fmi], (*ZIG_CC, "-s", "-target", target), suffix)
+            for target, folders, suffix in ZIG
+            if fmi in folders
         )
     compiler, folders = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
     return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
-
-
-def universal(libraries: Sequence[bytes]) -> bytes:
-    """Join the libraries for macOS processors: a table of them, then each on pages of its own."""
-    entries, body = b"", b""
-    for library in libraries:
-        processor, kind = struct.unpack("<2I", library[PROCESSOR])
-        entries += struct.pack(">5I", processor, kind, PAGE + len(body), len(library), ALIGNMENT)
-        body += library + bytes(-len(library) % PAGE)
-    head = struct.pack(">2I", FAT, len(libraries)) + entries
-    return head + bytes(PAGE - len(head)) + body
 
 
 class Kind(Enum):
@@ -136,10 +120,7 @@ class Kind(Enum):
     INDICATOR = "n", "local", "continuous", "calculated"
 
 
-# Derivative of a number along the direction that a caller gives.
-ALONG = "along_{}".format
 REALS, INTEGERS = "tsdcofupn", "i"
-UNKNOWNS, KNOWNS = "sdcn", "sup"
 SIDES = ("starboard", "port")
 PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 # Outcomes of a voyage, in the order of the codes in C, with the reason in words.
@@ -254,11 +235,11 @@ def fmu_file(
     filling = partial(
         rendered, "choices.h.j2", exported, C(), speed=speed, dt=step, banks=exported.ship.shape != OPEN,
         events=[f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)], counted=COUNTED in exported.kept,
-        unknowns=UNKNOWNS, knowns=KNOWNS, lever=model.configuration.ship.length / 2, **_programs(exported),
+        **_rates(exported),
     )  # fmt: skip
     return fmu_of(
         model, _variables(exported, speed, step), {"ship.h": c_text(exported), "instance.h": source_of("instance.h")},
-        filling, exported.about(), fmi, identifier=identifier, output=output, derivatives="true",
+        filling, exported.about(), fmi, identifier=identifier, output=output,
         # No step of a default experiment passes its end.
         stop=round(round(defaults.duration / output) * output, 6),
     )  # fmt: skip
@@ -291,50 +272,27 @@ def fmu_of(
     if fmi > 2:
         parts["sources/buildDescription.xml"] = filled("build.xml.j2", identifier=identifier).encode()
     parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in about).encode()
-    made: dict[str, list[bytes]] = {}
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
         for build in builds_here(fmi):
-            place = f"binaries/{build.folder}/{identifier}{build.suffix}"
-            made.setdefault(place, []).append(build.compiled(Path(folder, f"fmi{fmi}.c")))
-    parts |= {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
+            library = build.compiled(Path(folder, f"fmi{fmi}.c"))
+            parts[f"binaries/{build.folder}/{identifier}{build.suffix}"] = library
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in parts.items():
             packed.writestr(zipfile.ZipInfo(name, SAME_TIME), content, zipfile.ZIP_DEFLATED)
-    return archive.getvalue(), tuple(place.split("/")[1] for place in made)
+    return archive.getvalue(), tuple(place.split("/")[1] for place in parts if place.startswith("binaries/"))
 
 
-def _programs(exported: ExportedShip) -> dict[str, str]:
-    """Programs of ``evaluate`` and the like, with the derivatives along a direction."""
-    language = C(exported.prefix)
-    places = places_in(exported, language)
-    # Places of each number's derivative along the direction.
-    ways = {ALONG(name): f"along_{where}" for name, where in places.items() if "->" in where}
-    ways |= {ALONG(name): "0.0" for name, where in places.items() if where == "0.0"}
-    ways |= {ALONG(name): f"along_state[{number}]" for number, name in enumerate((*LINEARISED, *exported.gear))}
-    known = rates_of(exported, language)
-    changes = rates_of(exported, language, partial(_along, exported), ways)
-    known |= {f"{name}_along": body for name, body in changes.items()}
-    names = [one.name for one in exported.parameters]
-    where = {name: language.field("parameters", name) for name in names}
-    where |= {ALONG(name): language.field("along_parameters", name) for name in names}
-    targets = [language.field("along_constants", name) for name in exported.constants]
-    along = language.body(_along(exported, exported.programs["constants"]), targets, where)
-    return known | {"constants_along": "\n    ".join(along)}
-
-
-def _along(exported: ExportedShip, program: Program) -> Program:
-    """Return the derivatives of a program's results along a direction in state, inputs and constants, ``ALONG``."""
-    values = (*(value for _, value in program.assignments), *program.results)
-    used, moving = set().union(*(sympy.sympify(value).free_symbols for value in values)), {*program.asked}
-    seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving - {*PLACES, LENGTH}}
-    for angle in ("psi", *(actuator.name for actuator in exported.geared)):
-        cosine, sine, along = real(f"cos_{angle}"), real(f"sin_{angle}"), real(ALONG(angle))
-        seeds |= {name: [way] for name, way in ((cosine, -sine * along), (sine, cosine * along)) if name in seeds}
-    lines, slopes_of = with_tangents(Lines(list(program.assignments)), seeds, 1)
-    return Program.of(lines, [slopes_of(result)[0] for result in program.results])
+def _rates(exported: ExportedShip) -> dict[str, str]:
+    """Return the bodies of ``evaluate``: rates of motion and gear."""
+    language, bodies, place = C(exported.prefix), {}, 0
+    for name, program in zip(("motion", "gear"), exported.continuous, strict=True):
+        targets = [f"result[{place + number}]" for number in range(len(program.results))]
+        bodies[name] = "\n    ".join(language.body(program, targets, places_in(exported, language)))
+        place += len(targets)
+    return bodies
 
 
 def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **context: Any) -> str:

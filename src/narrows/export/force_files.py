@@ -87,10 +87,8 @@ def force_file(model: Model, path: str | Path, suffix: str, fmi: int = 2) -> tup
     start = [C().literal(one.start or 0.0) for one in variables if one.kind is Kind.INPUT]
     filling = partial(filled, "bank_choices.h.j2", deviations=2 * (model.covariance is not None), start=start)
     sources = {"bank.h": force_text(model, ".h", "bank"), "instance.h": source_of("bank_instance.h")}
-    return fmu_of(
-        model, variables, sources, filling, passport(model), fmi, identifier=prefix, stop=1.0, output=0.1,
-        derivatives="false",
-    )  # fmt: skip
+    about = passport(model)
+    return fmu_of(model, variables, sources, filling, about, fmi, identifier=prefix, stop=1.0, output=0.1)
 
 
 def _variables(model: Model) -> Iterator[FmuVariable]:

@@ -6,7 +6,6 @@ from functools import partial
 from inspect import getsource
 from pathlib import Path
 from textwrap import wrap
-from types import MappingProxyType
 from typing import Any
 
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
@@ -217,7 +216,7 @@ def matlab_text(exported: ExportedShip) -> str:
     inputs = sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())  # Orders come first
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
-    motion, gear = exported.continuous[:2]
+    motion, gear = exported.continuous
     asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked, *exported.water}]
     where |= {name: name for name in asked}
     rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *exported.gear)}
@@ -243,19 +242,6 @@ def matlab_text(exported: ExportedShip) -> str:
 def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
     states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
     return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.gear)]
-
-
-def rates_of(
-    exported: ExportedShip, language: C, along: Callable[[Program], Program] = lambda program: program,
-    ways: Mapping[str, str] = MappingProxyType({}),
-) -> dict[str, str]:  # fmt: skip
-    """Return the bodies of the template ``evaluate.h.j2``: rates of motion and gear, clearances between banks."""
-    places, bodies = {**places_in(exported, language), **ways}, {}
-    starts = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
-    for (name, start), program in zip(starts.items(), exported.continuous, strict=False):
-        targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        bodies[name] = "\n    ".join(language.body(along(program), targets, places))
-    return bodies
 
 
 def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:

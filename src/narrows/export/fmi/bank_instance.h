@@ -58,11 +58,5 @@ static int integrate(Instance *m, double time, double duration, double *reached)
     return 1;
 }
 
-static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
-                  const double *seed, double *result, int adjoint) {
-    (void)unknown, (void)unknowns, (void)known, (void)knowns, (void)seed, (void)result, (void)adjoint;
-    return refuse(m, "this FMU gives no derivatives");
-}
-
 static int is_beyond_changed(Instance *m) { return evaluate(&m->now).beyond != (int)m->now.value[BEYOND]; }
 #define HAS_EVENT(m) 0

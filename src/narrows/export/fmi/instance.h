@@ -152,48 +152,5 @@ static int integrate(Instance *m, double time, double duration, double *reached)
     return 1;
 }
 
-/* How fast everything changes along a direction in states, inputs and tunable parameters: exact, where seed has it. */
-static void along(Instance *m, const double *seed, double *out) {
-    Numbers *n = &m->now;
-    ship_inputs inputs, along_inputs;
-    ship_parameters parameters, along_parameters;
-    ship_constants along_constants;
-    refresh(m);
-    inputs_of(n->value, &inputs), inputs_of(seed, &along_inputs);
-    memcpy(&parameters, n->value + PARAMETERS, sizeof parameters);
-    memcpy(&along_parameters, seed + PARAMETERS, sizeof along_parameters);
-    prepare_along(&parameters, &along_parameters, &along_constants);
-    memset(out, 0, COUNT * sizeof(double));
-    memcpy(out + X, seed + X, STATES * sizeof(double));
-    evaluate_along(n->state, &inputs, &n->constants, n->value[STEP], seed + X, &along_inputs, &along_constants, out + DER);
-    if (n->value[OUTCOME] != SHIP_AFLOAT) memset(out + DER, 0, STATES * sizeof(double));
-    indicate_along(n->state, &n->constants, seed + X, &along_constants, out + CLEARANCE, out + INDICATORS);
-    if (n->value[OUTCOME] != SHIP_AFLOAT) memset(out + INDICATORS, 0, EVENTS * sizeof(double));
-}
-
-/* The sum over unknowns and knowns of weight, slope and seed; adjoint: a result for each known, else for each unknown. */
-static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const unsigned *known, size_t knowns,
-                  const double *seed, double *result, int adjoint) {
-    double direction[COUNT], out[COUNT];
-    if (!may(m, STARTING | RUNNING | ENDED)) return 0;
-    for (size_t i = 0; i < unknowns; ++i)
-        if (unknown[i] >= COUNT || !strchr(UNKNOWNS, KINDS[unknown[i]]))
-            return refuse_with(m, "variable %g has no derivative: it is no state, rate or clearance", unknown[i]);
-    for (size_t i = 0; i < knowns; ++i)
-        if (known[i] >= COUNT || !strchr(KNOWNS, KINDS[known[i]]))
-            return refuse_with(m, "there is no derivative by variable %g: it is no state, input or tunable parameter", known[i]);
-    for (size_t k = 0; k < (adjoint ? knowns : 1); ++k) {
-        memset(direction, 0, sizeof direction);
-        if (adjoint) direction[known[k]] = 1.0, result[k] = 0.0;
-        else for (size_t j = 0; j < knowns; ++j) direction[known[j]] += seed[j];
-        along(m, direction, out);
-        for (size_t i = 0; i < unknowns; ++i) {
-            if (adjoint) result[k] += seed[i] * out[unknown[i]];
-            else result[i] = out[unknown[i]];
-        }
-    }
-    return 1;
-}
-
 static int is_beyond_changed(Instance *m) { return refresh(m), ship_beyond(m->now.state, &m->now.constants CANAL) != (int)m->now.value[BEYOND]; }
 #define HAS_EVENT(m) ((m)->now.pending != SHIP_AFLOAT)
