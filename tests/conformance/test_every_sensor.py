@@ -12,7 +12,7 @@ import narrows as nw
 from engine_models import steered
 from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
 from narrows.estimation.consistency import Twins, sail_twins
-from narrows.estimation.sensors import SENSORS, Measuring
+from narrows.estimation.sensors import SENSORS
 from narrows.estimation.states import STATES, Columns, StateNames
 
 every_sensor = pytest.mark.parametrize("make", SENSORS.values(), ids=list(SENSORS))
@@ -35,7 +35,7 @@ def measured(sensor: Sensor, points: np.ndarray) -> np.ndarray:
 
 
 @every_sensor
-def test_it_is_a_sensor(make: type[Measuring]) -> None:
+def test_it_is_a_sensor(make: type[Sensor]) -> None:
     sensor = make()
     assert isinstance(sensor, Sensor)
     assert len(sensor.fields) == len(sensor.sigma) == len(sensor.angles) == measured(sensor, states(1)).shape[1]
@@ -44,14 +44,14 @@ def test_it_is_a_sensor(make: type[Measuring]) -> None:
 
 
 @every_sensor
-def test_a_reading_is_its_numbers_backwards(make: type[Measuring]) -> None:
+def test_a_reading_is_its_numbers_backwards(make: type[Sensor]) -> None:
     for numbers in measured(make(), states(20)):
         reading = make().reading(tuple(numbers))
         np.testing.assert_allclose(make().numbers([float(one) for one in reading]), numbers, rtol=1e-12)
 
 
 @every_sensor
-def test_states_are_measured_alike_one_by_one_and_together(make: type[Measuring]) -> None:
+def test_states_are_measured_alike_one_by_one_and_together(make: type[Sensor]) -> None:
     together = measured(make(), states(20))
     alone = [measured(make(), state[None, :])[0] for state in states(20)]
     np.testing.assert_array_equal(together, alone)
@@ -59,7 +59,7 @@ def test_states_are_measured_alike_one_by_one_and_together(make: type[Measuring]
 
 
 @every_sensor
-def test_what_is_said_to_be_linear_is(make: type[Measuring]) -> None:
+def test_what_is_said_to_be_linear_is(make: type[Sensor]) -> None:
     sensor, (one, other) = make(), states(2)
     if sensor.is_linear:
         both = measured(sensor, np.stack([0.3 * one + 0.7 * other, one, other]))
@@ -67,7 +67,7 @@ def test_what_is_said_to_be_linear_is(make: type[Measuring]) -> None:
 
 
 @every_sensor
-def test_a_start_is_the_state_that_was_measured(make: type[Measuring]) -> None:
+def test_a_start_is_the_state_that_was_measured(make: type[Sensor]) -> None:
     sensor, state = make(), states(1)
     reading = [float(one) for one in sensor.reading(tuple(measured(sensor, state)[0]))]
     for name, (value, sigma) in sensor.start(reading).items():
@@ -85,7 +85,7 @@ def estimator(*sensors: Sensor) -> Estimator:
     return Estimator(ship(), [*OTHERS, *sensors, RudderIndicator()])
 
 
-def accurate(make: type[Measuring], **told: Any) -> Measuring:
+def accurate(make: type[Sensor], **told: Any) -> Sensor:
     """As good as a ship of 4 m needs it."""
     return make(0.02 * make().noise, name="tested", period=0.2, **told)
 
@@ -101,7 +101,7 @@ def sailed(filter: Estimator, duration: float = 12.0) -> tuple[dict[str, np.ndar
 
 
 @every_sensor
-def test_what_a_twin_reads_is_what_the_filter_expects(make: type[Measuring]) -> None:
+def test_what_a_twin_reads_is_what_the_filter_expects(make: type[Sensor]) -> None:
     """No sound reading is refused, the truth stays within the estimate's errors, and the sensor makes them less."""
     own = estimator(accurate(make))
     table, twins = sailed(own)
@@ -115,7 +115,7 @@ def test_what_a_twin_reads_is_what_the_filter_expects(make: type[Measuring]) -> 
 
 
 @every_sensor
-def test_a_late_reading_is_of_the_time_when_it_was_measured(make: type[Measuring]) -> None:
+def test_a_late_reading_is_of_the_time_when_it_was_measured(make: type[Sensor]) -> None:
     sensor = accurate(make, delay=0.6)
     table, twins = sailed(estimator(sensor), 3.0)
     own = np.stack([table[field] for field in sensor.fields], axis=1)
@@ -128,7 +128,7 @@ def test_a_late_reading_is_of_the_time_when_it_was_measured(make: type[Measuring
 
 
 @every_sensor
-def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measuring]) -> None:
+def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Sensor]) -> None:
     """A bias and a slow error, ten times the noise: each a state at its spread, and readings of twins have them."""
     size = 0.2 * make().noise
     sensor = accurate(make, bias=size, coloured=GaussMarkov(size, 30.0))
@@ -148,6 +148,6 @@ def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measu
 
 @every_sensor
 @pytest.mark.parametrize("told", [{"noise": 0.0}, {"noise": np.nan}, {"period": 0.0}, {"delay": -1.0}, {"noise": "1"}])
-def test_numbers_that_are_none_are_refused(make: type[Measuring], told: dict[str, float]) -> None:
+def test_numbers_that_are_none_are_refused(make: type[Sensor], told: dict[str, float]) -> None:
     with pytest.raises(nw.InputError):
         replace(make(), **told)

@@ -1,9 +1,9 @@
 """Consistency on twins: chi-squared where the filter is told the truth, and far from it where it is told a lie."""
 
 import json
-from dataclasses import replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ import narrows as nw
 from engine_models import bent
 from narrows.base.files import to_json
 from narrows.base.results import BaseResult
-from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
+from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, Sensor, consistency
 from narrows.estimation.consistency import sail_twins
 from narrows.simulation.kernel_run import ShipLanes
 
@@ -108,22 +108,17 @@ def test_what_is_wrong_is_refused(call: Any) -> None:
 def test_a_sensor_of_ones_own_is_a_sensor() -> None:
     """A receiver that tells but the offset, written by a user."""
 
-    class Across:
-        name, period, delay, fields, sigma, angles, is_linear = "laser", 0.2, 0.0, ("laser",), (0.05,), (False,), True
-
-        def measured(self, at: Any) -> Any:
-            return (at.y,)
-
-        def numbers(self, reading: Any) -> Any:
-            return tuple(reading)
-
-        def reading(self, numbers: Any) -> Any:
-            return numbers
+    @dataclass(frozen=True)
+    class Across(Sensor):
+        noise: float = 0.05
+        _: KW_ONLY
+        name: str = "laser"
+        state: ClassVar[str] = "y"
 
         def start(self, reading: Any) -> Any:
             return {}
 
-    with_it = consistency(steered(), [*ALL, Across()], 0.4, 1.0, twins=4, duration=20.0)
+    with_it = consistency(steered(), [*ALL, Across(period=0.2)], 0.4, 1.0, twins=4, duration=20.0)
     without = consistency(steered(), ALL, 0.4, 1.0, twins=4, duration=20.0)
     assert 0.8 < with_it.mean_nis["laser"] < 1.2
     y = with_it.states.index("y")

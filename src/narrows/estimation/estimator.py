@@ -54,8 +54,8 @@ class Estimator(BaseSummary):
     model : Model
         The ship in its canal.
     sensors : sequence of Sensor and RudderIndicator
-        ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or objects of your own
-        with the interface ``Sensor``.
+        ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or of your own subclass
+        of ``Sensor``.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     noise, prior : ProcessNoise, Prior, optional

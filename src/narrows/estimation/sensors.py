@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -30,37 +30,6 @@ STRAIGHT = 1e-9  # Curvature [1/m] below which a line counts as straight
 GNSS_TIME = 60.0
 
 
-@runtime_checkable
-class Sensor(Protocol):
-    """The interface of a sensor.
-
-    ``name`` is the name of its readings, ``fields`` the names of its components in a table, ``sigma`` the standard
-    deviations of their white errors, ``angles`` marks angles [rad], ``is_linear`` is True if the components are linear
-    in the states. ``period`` [s] is the time between readings, ``delay`` [s] its delay. Optional ``errors`` is a
-    sequence of ``GaussMarkov``; each becomes a state of the estimate.
-    """
-
-    name: str
-    period: float
-    delay: float
-    fields: tuple[str, ...]
-    sigma: tuple[float, ...]
-    angles: tuple[bool, ...]
-    is_linear: bool
-
-    def measured(self, at: Columns) -> Values:
-        """Return its components without errors, from states."""
-
-    def numbers(self, reading: Sequence[float]) -> Values:
-        """Return a reading, one number for each field, as the components of ``measured``."""
-
-    def reading(self, numbers: Values) -> Values:
-        """Return the reading of components: the inverse of ``numbers``."""
-
-    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return states for a start from a reading, with their standard deviations."""
-
-
 @dataclass(frozen=True)
 class GaussMarkov:
     """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias."""
@@ -75,8 +44,12 @@ class GaussMarkov:
 
 
 @dataclass(frozen=True)
-class Measuring(Aliased):
-    """Base of the package's own sensors: equal noise of all components; by default one component, which is a state."""
+class Sensor(Aliased):
+    """Base of sensors, also of your own: by default one component, which is the state of the name ``state``.
+
+    A sensor of other components has its own ``suffixes`` of their names, ``angles`` (True for angles [rad]),
+    ``is_linear`` (True if they are linear in the states), ``measured`` and ``start``.
+    """
 
     noise: float  # Standard deviation of the white error of each component [SI]
     _: KW_ONLY
@@ -106,21 +79,25 @@ class Measuring(Aliased):
         return (*((GaussMarkov(self.bias),) if self.bias else ()), *((self.coloured,) if self.coloured else ()))
 
     def numbers(self, reading: Sequence[float]) -> Values:
+        """Return a reading, one number for each field, as the components of ``measured``."""
         return tuple(reading)
 
     def reading(self, numbers: Values) -> Values:
+        """Return the reading of components: the inverse of ``numbers``."""
         return numbers
 
     def measured(self, at: Columns) -> Values:
+        """Return its components without errors, from states."""
         return (getattr(at, self.state),)
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return states for a start from a reading, with their standard deviations."""
         return {self.state: (reading[0], self.noise)}
 
 
 @accept_aliases
 @dataclass(frozen=True)
-class Gyro(Measuring):
+class Gyro(Sensor):
     """A gyrocompass: the heading to the canal's direction.
 
     ``noise`` [rad], the standard deviation of the white error, is by default that of a gyrocompass within IMO
@@ -138,7 +115,7 @@ class Gyro(Measuring):
 
 @accept_aliases
 @dataclass(frozen=True)
-class RateOfTurn(Measuring):
+class RateOfTurn(Sensor):
     """A rate gyro: the yaw rate, with white ``noise`` [rad/s]; other arguments as in ``Gyro``.
 
     The default is that of an indicator within IMO A.526(13), 0.5 degrees a minute and 5 % of the rate. The noise of a
@@ -153,7 +130,7 @@ class RateOfTurn(Measuring):
 
 @accept_aliases
 @dataclass(frozen=True)
-class Log(Measuring):
+class Log(Sensor):
     """A speed log: the surge velocity through the water, with white ``noise`` [m/s]; other arguments as in ``Gyro``."""
 
     noise: float = 0.05
@@ -176,7 +153,7 @@ class RudderIndicator:
 
 
 @dataclass(frozen=True)
-class Antenna(Measuring):
+class Antenna(Sensor):
     """Base of receivers: an antenna, and two components, along and across."""
 
     _: KW_ONLY
@@ -263,8 +240,8 @@ class CourseOverGround(Antenna):
 
 
 # Sensors of the estimate by the default name of their readings. The rudder indicator is an input of the model instead.
-SENSORS: dict[str, type[Measuring]] = {
-    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
+SENSORS: dict[str, type[Sensor]] = {
+    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Sensor) and sensor.name
 }
 
 
@@ -273,10 +250,10 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
         raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
     found: dict[str, Any] = {}
     for sensor in sensors:
-        if isinstance(sensor, type) or not isinstance(sensor, Sensor | RudderIndicator):
+        if type(sensor) is Sensor or not isinstance(sensor, Sensor | RudderIndicator):
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
             known = ", ".join(f"{kind.__name__}()" for kind in SENSORS.values())
-            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
+            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own subclass of Sensor")
         if sensor.name in found:
             raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")
         found[sensor.name] = sensor
@@ -294,7 +271,7 @@ def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, f
         # Correlation time of a process of this size that walks by FAULT_WALK sigmas from one reading to the next.
         time = 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period
         errors.append(("fault", GaussMarkov(tuple(FAULT_STD * sigma for sigma in sensor.sigma), time)))
-    errors += [("wander" if math.isfinite(one.time) else "bias", one) for one in getattr(sensor, "errors", ())]
+    errors += [("wander" if math.isfinite(one.time) else "bias", one) for one in sensor.errors]
     found: dict[str, tuple[int, float, float]] = {}
     for kind, error in errors:
         for place, std in enumerate(np.broadcast_to(error.std, len(sensor.fields)).tolist()):
