@@ -92,10 +92,17 @@ def test_a_slow_gear_leaves_as_much_delay_as_the_margin() -> None:
 
 
 def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:
+    """Continuous, by python-control: states, then the ordered rudder and the integral of the offset."""
     linear = nw.control.linearize(full_size(), HOLD, SPEED)
-    continuous, sampled = linear.margins(law().lines[0].gains), loop(dt=0.05).margins()
-    for name in ("gain_down", "phase_deg", "delay", "distance"):
-        assert continuous[name] == pytest.approx(sampled[name], rel=0.01)
+    whole = np.zeros((6, 6))
+    whole[:4, :4], whole[4], whole[5, 0] = linear.A, np.negative(law().lines[0].gains), 1.0
+    opened = control.ss(whole, np.append(linear.B[:, 0], [0.0, 0.0])[:, None], -np.eye(6)[4:5], 0)
+    gains, phases, distances, _, crossings, _ = control.stability_margins(opened, returnall=True)
+    sampled = loop(dt=0.05).margins()
+    assert max(gains[gains < 1]) == pytest.approx(sampled["gain_down"], rel=0.01)
+    assert min(abs(phases)) == pytest.approx(sampled["phase_deg"], rel=0.01)
+    assert min(np.radians(phases % 360) / crossings) == pytest.approx(sampled["delay"], rel=0.01)
+    assert min(distances) == pytest.approx(sampled["distance"], rel=0.01)
 
 
 @pytest.mark.parametrize("dt", [0.1, 1.0, 2.0])

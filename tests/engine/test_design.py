@@ -1,17 +1,19 @@
-"""Regulators designed by trials: trials beside voyages, the search beside known minima, fewer lost ships."""
+"""Trials that tuned the default weights of the regulator: beside voyages, and the search beside known minima."""
 
+import sys
 from dataclasses import replace
-from functools import cache
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import pytest
 from full_size import full_size
 
 import narrows as nw
-from narrows.control import RegulatorDesign, RegulatorWeights, closed_loop, design, regulator
-from narrows.control.design import SCENES, DesignTrials, Scene, ScenePush, searched
+from narrows.control import RegulatorWeights, regulator
 from narrows.simulation.grid import sampled
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
+from regulator_weights import DesignTrials, Scene, ScenePush, searched
 
 SPEED, HOLD = 4.5, 50.0
 QUIET = {"y": 0.0, "psi": 0.0, "v": 0.0, "r": 0.0}
@@ -76,50 +78,3 @@ def test_the_search_finds_the_minimum_of_a_valley() -> None:
     matrix, least = turned @ np.diag([1.0, 10.0, 100.0, 1000.0]) @ turned.T, np.array([0.3, -0.2, 0.5, 0.1])
     found = searched(lambda x: float((x - least) @ matrix @ (x - least)), np.zeros(4), 150)
     np.testing.assert_allclose(found, least, atol=1e-3)
-
-
-@cache
-def doubtful() -> nw.Model:
-    """As if the tests knew the ship less than half as well: the best weights are others than the usual."""
-    return replace(full_size(), covariance=2.5**2 * full_size().covariance)
-
-
-@cache
-def designed() -> RegulatorDesign:
-    return design(doubtful(), HOLD, SPEED, ships=120, rounds=10, gear=nw.SteeringGear(dead_time=1.0, lag=1.5))
-
-
-def test_a_designed_regulator_loses_fewer_ships_that_it_was_not_tuned_on() -> None:
-    judged = designed().judged
-    lost, usual = (np.mean([row[name] for row in judged.values()]) for name in ("lost", "usual"))
-    assert lost < usual
-    assert list(judged) == list(SCENES)
-    assert "default weights in brackets" in designed().summary()
-    assert designed().to_dataframe().shape == (4, 4)
-
-
-def test_it_is_the_regulator_of_its_weights_and_stands_delays() -> None:
-    made = designed()
-    assert made.regulator == regulator(doubtful(), HOLD, SPEED, weights=made.weights)
-    assert closed_loop(doubtful(), made.regulator).margins()["delay"] > 4.0
-
-
-def test_the_seed_decides_all_that_is_drawn() -> None:
-    told: dict[str, Any] = {"ships": 20, "rounds": 2}
-    one, same, other = (design(doubtful(), HOLD, SPEED, seed=seed, **told).weights for seed in (1, 1, 2))
-    assert one == same != other
-
-
-@pytest.mark.parametrize(
-    ("make", "words"),
-    [
-        (lambda: design(nw.published("mikkelsen2025_dtc"), 0.0, 1.0), "no terms of a rudder"),
-        (lambda: design(replace(full_size(), covariance=None), HOLD, SPEED), "draws ships from the covariance"),
-        (lambda: design(full_size(), HOLD, SPEED, ships=1), "ships"),
-        (lambda: RegulatorWeights(bank=1.5), "bank = 1.5"),
-        (lambda: RegulatorWeights(heading_deg=0.0), "heading_deg = 0.0"),
-    ],
-)
-def test_what_is_no_design_is_one_sentence(make: Any, words: str) -> None:
-    with pytest.raises(nw.InputError, match=words):
-        make()

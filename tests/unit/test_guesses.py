@@ -225,7 +225,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .fmu"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
-    "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),
+    "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"matrices\(\), and python-control.s ctrb"),
     "model.replace(depth=)": (lambda: DTC.replace(depth=0.4), r"with_canal\(...\), or nw.at_depth\(model, depth\)"),
     "model.coefficients[a name of another table]": (lambda: KCS.coefficients["b_bank"], "did you mean 'Y_bank'"),
     "nw.read_captive(df, ship=tests.ship)": (

@@ -1,4 +1,4 @@
-"""Laws by hand, order by order: the regulator, the governor of the speed, noise and cost of designs; no ship sails."""
+"""Laws by hand, order by order: the regulator, the governor of the speed; no ship sails."""
 
 import math
 from dataclasses import replace
@@ -10,8 +10,7 @@ import pytest
 from test_control_numbers import Ahead
 
 import narrows as nw
-from narrows.control import HeldLine, Regulator, RegulatorWeights, SpeedGovernor
-from narrows.control.design import SCENES, SeenWithNoise, TrialResult, cost_of, weights_at
+from narrows.control import HeldLine, Regulator, SpeedGovernor
 from narrows.control.speed_governor import speed_governor
 from narrows.simulation.controllers import LAST_ORDER
 from narrows.simulation.derivative import derivative
@@ -158,60 +157,3 @@ def test_poles_of_the_governor_are_those_that_were_placed() -> None:
         with pytest.raises(nw.InputError, match="deceleration"):
             speed_governor(KVLCC2, made.helm, limits, deceleration=wrong)
     assert speed_governor(KVLCC2, made.helm, limits, most_revolutions=7.0).most_revolutions == 7.0
-
-
-# Designs
-
-
-def test_noise_of_readings_is_a_logistic_map_of_unit_deviation() -> None:
-    """Uniform angles theta give sin(theta)^2 of mean 1/2 and variance 1/8; the map doubles the angle."""
-
-    class Seen(Ahead):
-        def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-            return {"rudder": at.y}, {"kept": at.psi}
-
-    law = SeenWithNoise(Seen(), {"y": 0.5, "psi": 0.0, "v": 0.0, "r": 0.0}, late=3.0)
-    memory = {**law.memory({"rudder": 0.2}), "chaos_y": np.sin(np.pi / 2 * (np.arange(100_003) + 0.5) / 100_003) ** 2}
-    assert (memory["farthest"], memory["travel"], memory["was"], memory["chaos_psi"]) == (0.0, 0.0, 0.2, 0.4)
-    seen, told = [], []
-    for t in range(6):
-        at = SimpleNamespace(**law.parameters(), **memory, held_y_0=1.0, t=float(t), dt=1.0, y=1.0 - t, psi=0.3,
-                             v=0.0, r=0.0, rudder=0.2 + 0.1 * (-1) ** t)  # fmt: skip
-        orders, memory = law.orders(at)
-        seen.append(orders["rudder"] - at.y)
-        told.append((float(memory["farthest"]), round(float(memory["travel"]), 9)))
-    assert memory["kept"] == 0.3
-    assert np.mean(seen[3:]) == pytest.approx(0.0, abs=0.01)
-    assert np.std(seen[3:]) == pytest.approx(0.5, rel=0.01)
-    angle = 2**6 * math.asin(math.sqrt(0.4))
-    assert memory["chaos_psi"] == pytest.approx(math.sin(angle) ** 2)
-    # The offset counts from the step whose middle is 3 s on: 3, 4, 5 m; the rudder moves 0.1 once, then 0.2 each.
-    assert told == [(0.0, 0.1), (0.0, 0.3), (0.0, 0.5), (3.0, 0.7), (4.0, 0.9), (5.0, 1.1)]
-
-
-def test_the_cost_of_a_design_is_lost_ships_and_shares_of_offset_and_travel() -> None:
-    """One of four lost; late offsets of 0.5, 1, 3 (of 9, at most) and 1.5; travels of a half, 1, 2 (of 4) and 0.5."""
-    usual = 11.7 * 10 * DEGREE
-    off = np.array([[0.5, 1.0, 9.0, 1.5]])
-    result = TrialResult(off > 8, off, usual * np.array([[0.5, 1.0, 4.0, 0.5]]))
-    assert cost_of(result) == pytest.approx(0.25 + 0.3 * 1.5 + 0.1 * 1.0)
-    assert weights_at(np.array([0.0] * 5 + [0.5])) == RegulatorWeights()
-    doubled = weights_at(np.array([math.log(2.0), 0.0, 0.0, 0.0, -math.log(2.0), 1.0]))
-    assert doubled is not None
-    assert (doubled.heading_deg, doubled.rudder_deg, doubled.unwinding_time) == pytest.approx((4.6, 14.0, 0.13))
-    assert doubled.bank == 1.0
-    assert weights_at(np.array([0.0] * 5 + [1.001])) is None
-    assert weights_at(np.array([0.0] * 5 + [-0.001])) is None
-    assert weights_at(np.array([0.0] * 5 + [0.0])) is not None
-
-
-def test_scenes_of_a_design_lie_within_its_voyages() -> None:
-    """Docstring of ``design``: an offset, a receding bank, gusts, and both far off the centreline."""
-    assert list(SCENES) == ["offset", "bank", "gust", "hard"]
-    assert [scene.offset for scene in SCENES.values()] == [0.8, 1.0, 0.8, 1.3]
-    assert [scene.begins for scene in SCENES.values()] == [0.3, 0.0, 0.0, 0.0]
-    assert SCENES["bank"].pushes == ((2.0, 3.5, 0.0, 6 * DEGREE), (5.9, 7.4, 0.0, -6 * DEGREE))
-    assert SCENES["gust"].pushes == ((2.0, 3.2, 6 * DEGREE, 5 * DEGREE), (5.9, 7.0, -6 * DEGREE, -5 * DEGREE))
-    np.testing.assert_allclose(
-        SCENES["hard"].pushes, [(2.0, 3.2, 9 * DEGREE, 7.5 * DEGREE), (4.9, 6.1, 0.0, 5 * DEGREE)]
-    )

@@ -5,8 +5,6 @@ from typing import Any
 from narrows.base.aliases import part_named
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
-from narrows.control.design import RegulatorDesign as RegulatorDesign
-from narrows.control.design import design as design
 from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import HeldLine as HeldLine

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,6 @@ from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
 from narrows.codegen.choices import COUNTED, TIME, WATER
 from narrows.control import settings
-from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
 from narrows.control.predictive.course_ahead import water_ahead
 from narrows.control.steady_course import check_rudder, linearize
@@ -71,7 +70,7 @@ class ClosedLoop(BaseSummary):
         """The steady course: psi, rudder [rad], v [m/s], r [rad/s], and the propeller revolutions [1/s]."""
         linear = linearize(self.model, self.y, self.u, waterway=self.waterway, at=self.x)
         names = ("psi", "v", "r", "rudder", *(a.name for a in self.model.terms.actuators if a.name != "rudder"))
-        return {name: float(linear.course[name]) for name in names}
+        return {name: linear.course[name] for name in names}
 
     def simulate(self, duration: float | None = None, seed: int = 0, **voyage: Any) -> Voyage:
         """Simulate one voyage as ``simulate`` does, by default for 40 ship lengths from the steady course.
@@ -226,7 +225,7 @@ def closed_loop(
     if estimator is not None and not sensors:
         raise InputError("an estimator needs the sensors that it was made for; give sensors too")
     if gear is not None:
-        model = with_gear(model, gear)
+        model = replace(model, configuration=replace(model.configuration, steering=gear))
     return ClosedLoop(model, controller, waterway=waterway, sensors=tuple(sensors), estimator=estimator, **numbers)
 
 

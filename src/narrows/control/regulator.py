@@ -35,8 +35,7 @@ SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 class RegulatorWeights:
     """Weights of a regulator by Bryson's rule, and its use of the bank force.
 
-    The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``);
-    ``design`` tunes them for another ship.
+    The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``).
     """
 
     # Each of the first three is the deviation that costs as much as each of the others.
@@ -182,7 +181,7 @@ def regulator(
         Waterway instead of the model's own canal, and the place along it for which the gains are computed; with
         several, rising, each holds from its place on.
     weights : RegulatorWeights
-        Weights of the cost: defaults tuned by simulated voyages, or those of ``design``.
+        Weights of the cost.
     **values : float [SI]
         As for ``linearize``.
     """
@@ -206,7 +205,7 @@ def regulator(
 def held_line(
     model: Model, linear: LinearSystem, start: float = 0.0, weights: RegulatorWeights = DEFAULT_WEIGHTS
 ) -> HeldLine:  # fmt: skip
-    course = {name: float(value) for name, value in linear.course.items()}
+    course = linear.course
     check_holds(model, course["rudder"], course["y"], course["u"])
     gains = regulator_gains(model, linear, weights)
     # On a steady turn psi, v and the rudder keep y, v and r constant.
@@ -254,9 +253,9 @@ def stacked_gains(
 def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeights = DEFAULT_WEIGHTS) -> tuple[Any, ...]:
     """Return the gains of a regulator on one course, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]."""
     motion, push = rate_driven(linear.A[None], linear.B[None, :, linear.controls.index("rudder")])
-    gains = gains_of(SimulatedShip(model), motion, push, np.array([float(linear.course["u"])]), weights)[0]
+    gains = gains_of(SimulatedShip(model), motion, push, np.array([linear.course["u"]]), weights)[0]
     if not np.isfinite(gains).all():
-        where = f"at y = {float(linear.course['y']):g} m and {float(linear.course['u']):g} m/s"
+        where = f"at y = {linear.course['y']:g} m and {linear.course['u']:g} m/s"
         raise InputError(f"no regulator holds this ship {where}: its rudder has no effect there")
     return tuple(gains.tolist())
 

@@ -47,14 +47,3 @@ FREQUENCIES = 3000
 NEWTON_ROUNDS, SAME_STATE = 20, 1e-9
 # Default duration of a voyage [ship lengths].
 LOOP_DURATION = 40.0
-# Trials of a regulator design: length [ship lengths], its last part in which the offset counts, steps per length.
-TRIAL_LENGTHS, LATE_LENGTHS, TRIAL_STEPS = 11.7, 1.2, 50
-# Standard deviations of readings: offset [beams]; heading [rad], also the share of speed in sway and of turn in yaw.
-TRIAL_NOISE = 0.01, np.radians(0.1)
-# Standard deviation of the heading at the start [rad].
-TRIAL_HEADING = np.radians(1.0)
-# Cost of a design besides the share of lost ships, as shares of a lost ship [1]: late offset of half a beam, and rudder
-# travel of so much per ship length [rad].
-OFF_SHARE, TRAVEL_SHARE, FULL_TRAVEL = 0.3, 0.1, np.radians(10.0)
-# First step of the search, in logarithms [1]; designs of a round; ratio of testing to tuning ships.
-DESIGN_STEP, DESIGNS_A_ROUND, DESIGN_JUDGES = 0.3, 12, 10

@@ -1,6 +1,6 @@
 """Steady courses near a bank, in a bend and in a current: rudder, drift and revolutions, and the linear motion."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -270,7 +270,7 @@ def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWa
 
 @accept_aliases
 def linearize(
-    model: Model, y: Any = 0.0, u: Any = 1.0, *, waterway: "Waterway | None" = None, at: float = 0.0,
+    model: Model, y: float = 0.0, u: float = 1.0, *, waterway: "Waterway | None" = None, at: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, **values: float,
 ) -> LinearSystem:  # fmt: skip
     """Linearise a ship exactly about its steady course at an offset and a speed.
@@ -282,9 +282,9 @@ def linearize(
 
     Parameters
     ----------
-    model, y, u : Model, float or array
+    model, y, u : Model, float, float
         Offset to starboard of the canal's centreline or of the waterway's line [m], surge velocity through the water
-        [m/s]; an array is a dimension of that name.
+        [m/s].
     waterway, at : Waterway, float [m], optional
         Waterway instead of the model's own canal, and the place along it.
     surge, surge_inertia : str, float [kg], optional
@@ -301,22 +301,30 @@ def linearize(
     for name in values:
         if name not in known:
             raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
-    given = finite_numbers(**values)
-    asked = {name: np.atleast_1d(labelled(name, value).to_numpy()) for name, value in (("y", y), ("u", u))}
-    for name, column in asked.items():
-        if column.ndim > 1:
-            raise InputError(f"{name} has {column.ndim} dimensions; give offsets and speeds as sequences")
-    if not (asked["u"] > 0).all():
+    given, (y, u) = finite_numbers(**values), finite_numbers(y=y, u=u).values()
+    if not u > 0:
         raise InputError("a steady course needs a speed over 0; give u in m/s")
     width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)
-    check_inside(asked["y"] - water.middle, width, beam)
-    offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
-    motion, course = steady_courses(ship, water, offsets, speeds, given)
-    varied = {name: column for (name, column), number in zip(asked.items(), (y, u), strict=True) if np.ndim(number)}
-    if not varied and np.isnan(course.get("rudder", 0.0)).all():
-        where = f"at y = {offsets[0]:g} m and {speeds[0]:g} m/s"
-        raise InputError(f"no rudder holds this ship {where}; choose a smaller offset")
-    return _system(motion, course, varied)
+    check_inside(y - water.middle, width, beam)
+    motion, courses = steady_courses(ship, water, np.array([y]), np.array([u]), given)
+    course = {name: float(column[0]) for name, column in courses.items()}
+    if np.isnan(course.get("rudder", 0.0)):
+        raise InputError(f"no rudder holds this ship at y = {y:g} m and {u:g} m/s; choose a smaller offset")
+    states = tuple(name for name in MOVED if name != "u" or surge == "free")
+    controls = tuple(actuator.name for actuator in ship.actuators)
+    disturbances, slopes = (*HOLDING[surge], *WATER), motion.slopes(courses)
+    rows = [MOVED.index(name) for name in states]
+    A, B, G = (
+        np.array([slopes[name][0, rows] for name in names]).reshape(-1, len(rows)).T
+        for names in (states, controls, disturbances)
+    )
+    gear, notes = model.configuration.gear, [*model.bank_notes]
+    if abs(course.get("rudder", 0.0)) > gear.limit:
+        notes.append(f"this course needs more than the {gear.limit_deg:g} degrees that the rudder turns")
+    if surge == "held" and "revolutions" in controls:
+        notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
+    length = model.configuration.ship.length
+    return LinearSystem(A, B, G, states, controls, disturbances, course, length, tuple(notes))
 
 
 def steady_courses(
@@ -351,28 +359,3 @@ def steady_courses(
         residual_rates = np.stack([np.broadcast_to(rates[name], y.shape) for name in sought.values()], axis=-1)
         course |= dict(zip(sought, -np.linalg.solve(matrix, residual_rates[..., None])[..., 0].T, strict=True))
     return motion, course
-
-
-def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSystem:
-    ship, shape = motion.ship, tuple(len(column) for column in varied.values())
-    states = tuple(name for name in MOVED if name != "u" or ship.surge == "free")
-    controls = tuple(actuator.name for actuator in ship.actuators)
-    disturbances = (*HOLDING[ship.surge], *WATER)
-    slopes, rows = motion.slopes(course), [MOVED.index(name) for name in states]
-
-    def matrix(names: Sequence[str]) -> np.ndarray:
-        columns = [slopes[name][:, rows] for name in names]
-        whole = np.stack(columns, axis=-1) if columns else np.zeros((len(course["y"]), len(rows), 0))
-        return whole.reshape(*shape, len(states), len(names))
-
-    gear, notes = ship.model.configuration.gear, [*ship.model.bank_notes]
-    beyond = int(np.sum(np.abs(course.get("rudder", 0.0)) > gear.limit))
-    if beyond:
-        notes.append(f"{beyond} of these courses need more than the {gear.limit_deg:g} degrees that the rudder turns")
-    if ship.surge == "held" and "revolutions" in controls:
-        notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
-    return LinearSystem(
-        matrix(states), matrix(controls), matrix(disturbances), states, controls, disturbances,
-        {name: column.reshape(shape) for name, column in course.items()}, tuple(varied), motion.rates,
-        ship.model.configuration.ship.length, tuple(notes),
-    )  # fmt: skip
