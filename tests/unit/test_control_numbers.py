@@ -25,16 +25,15 @@ def test_settings_are_those_of_the_page_on_control() -> None:
     assert (weights.offset, weights.heading_deg, weights.rudder_deg) == (1.0, 2.3, 14.0)
     assert (weights.stroke_time, weights.integral_time, weights.bank, weights.unwinding_time) == (0.095, 1.7, 0.5, 0.26)
     assert (control_settings.HORIZON_LENGTHS, control_settings.INTERVALS, control_settings.MARGIN) == (2.4, 30, 0.15)
-    assert (control_settings.PLANS_AN_INTERVAL, control_settings.RESERVE, control_settings.EASE) == (5, 0.7, 0.5)
+    assert (control_settings.PLANS_AN_INTERVAL, control_settings.RESERVE) == (5, 0.7)
     assert nw.control.PredictiveHelm.confidence == 0.95
-    # Docstrings: 40 lengths of a voyage; a limit of the engine half again.
-    assert (control_settings.LOOP_DURATION, control_settings.ENGINE_RESERVE) == (40.0, 1.5)
+    assert control_settings.LOOP_DURATION == 40.0
 
 
 def test_settings_of_plans() -> None:
     """Changes here change the plans of a helm: each is deliberate."""
     assert (control_settings.PUSH_LENGTHS, control_settings.RETURNING, control_settings.FREE_CLEARANCE) == (0.3, 20, 4)
-    assert (control_settings.LEAD_TIME, control_settings.SLOWEST, control_settings.GOVERNOR_TIME) == (0.45, 0.05, 3.0)
+    assert (control_settings.LEAD_TIME, control_settings.SLOWEST) == (0.45, 0.05)
     assert (control_settings.MOST_DRIFT, control_settings.MOST_TURN, control_settings.LEAST_CLEARANCE) == (
         0.5,
         1.0,

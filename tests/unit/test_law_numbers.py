@@ -1,19 +1,14 @@
-"""Laws by hand, order by order: the regulator, the governor of the speed; no ship sails."""
+"""The regulator by hand, order by order; no ship sails."""
 
 import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
-from test_control_numbers import Ahead
 
-import narrows as nw
-from narrows.control import HeldLine, Regulator, SpeedGovernor
-from narrows.control.speed_governor import speed_governor
+from narrows.control import HeldLine, Regulator
 from narrows.simulation.controllers import LAST_ORDER
-from narrows.simulation.derivative import derivative
 
 DEGREE = math.pi / 180
 
@@ -95,65 +90,3 @@ def test_lines_hold_from_their_time_or_place_on() -> None:
         along = by_place.orders(observed(by_place, memory, x=now + 1e-9, **rest))[1]["integral"]
         free = Regulator((replace(LINE, y=y),), 2.0, LEAD, 20.0)
         assert kept == along == free.orders(observed(free, memory, **rest))[1]["integral"]
-
-
-# The governor of the speed
-
-
-def test_revolutions_of_a_governor_by_hand() -> None:
-    """4 m/s at 2 1/s, from 100 m on 3 m/s at 1.2 1/s, from 200 m on 3.5 m/s: slowed and gained by 0.05 m/s2."""
-    limits = (0.0, 100.0, 200.0), (4.0, 3.0, 3.5), (2.0, 1.2, 1.7)
-    governor = SpeedGovernor(Ahead(), *limits, 0.05, 0.5, 0.01, 7.0, 2.5)
-    memory = governor.memory({})
-    assert memory == {"kept": 2.0, "surge_shortfall": 0.0}
-
-    def ordered(x: float, u: float, shortfall: float = 0.0, most: float = 9.0, law: Any = governor) -> Any:
-        at = SimpleNamespace(**law.parameters(), kept=2.0, surge_shortfall=shortfall, x=x, u=u, dt=2.0)
-        at.revolutions_limit = most
-        orders, kept = law.orders(at)
-        assert (orders["rudder"], kept["kept"]) == (0.1, 3.0)
-        return float(orders["revolutions"]), float(kept["surge_shortfall"])
-
-    # At 65 m, 35 m before: root(9 + 2 * 0.05 * 35) = root(12.5) m/s; 0.1 m/s too slow for 2 s, beside 5 m of before.
-    speed = math.sqrt(12.5)
-    expected = 1.2 + 0.8 * (speed - 3.0) - 7.0 * 0.05 + 0.5 * 0.1 + 0.01 * 5.2
-    assert ordered(65.0, speed - 0.1, 5.0) == pytest.approx((expected, 5.2))
-    assert ordered(10.0, 4.0) == pytest.approx((2.0, 0.0))
-    assert ordered(150.0, 3.0) == pytest.approx((1.2, 0.0))
-    # Gaining 10 m after 200 m: root(9 + 1) m/s; from 232.5 m on 3.5 m/s.
-    gaining = math.sqrt(10.0)
-    assert ordered(210.0, gaining) == pytest.approx((1.2 + 0.8 * (gaining - 3.0) + 7.0 * 0.05, 0.0))
-    assert ordered(233.0, 3.5) == pytest.approx((1.6, 0.0))  # linear between the slowest and the fastest limit
-    # At either limit the integral stays.
-    assert ordered(10.0, 2.0, 5.0) == pytest.approx((2.5, 5.0))
-    assert ordered(10.0, 2.0, 5.0, most=2.2) == pytest.approx((2.2, 5.0))
-    assert ordered(10.0, 9.0, 5.0) == pytest.approx((0.0, 5.0))
-    # With one limit the revolutions go with the speed.
-    alone = SpeedGovernor(Ahead(), (0.0,), (4.0,), (2.0,), 0.05, 0.5, 0.01, 7.0, 2.5)
-    assert ordered(10.0, 4.0, law=alone) == pytest.approx((2.0, 0.0))
-    assert alone.parameters()["plan_by_speed"] == 0.5
-
-
-KVLCC2 = nw.published("yasukawa2015_kvlcc2")
-
-
-def test_poles_of_the_governor_are_those_that_were_placed() -> None:
-    """Both at three times of a ship length; half of the stopped ship's deceleration, half again the engine."""
-    limits = [(0.0, 1.0), (60.0, 0.7), (110.0, 0.85)]
-    made = speed_governor(KVLCC2, nw.control.regulator(KVLCC2, 0.0, 0.8), limits)
-    free = nw.control.linearize(KVLCC2, u=0.7, surge="free")
-    row = free.states.index("u")
-    slope, push = free.A[row, row], free.B[row, free.controls.index("revolutions")]
-    closed = np.array([[slope - push * made.gain, push * made.integral_gain], [-1.0, 0.0]])
-    pole = 0.7 / (3 * KVLCC2.configuration.ship.length)
-    np.testing.assert_allclose(np.poly(closed), [1.0, 2 * pole, pole**2], rtol=1e-9)
-    assert made.inertia == pytest.approx(1 / push)
-    assert made.most_revolutions == pytest.approx(1.5 * nw.control.self_propulsion(KVLCC2, 1.0))
-    stopped = -derivative(KVLCC2, {"u": 0.7}, surge="free", revolutions=0.0)[3]
-    assert made.rate == pytest.approx(stopped / 2)
-    np.testing.assert_allclose(made.revolutions, [nw.control.self_propulsion(KVLCC2, u) for _, u in limits])
-    speed_governor(KVLCC2, made.helm, limits, deceleration=0.999 * stopped)
-    for wrong in (1.001 * stopped, 0.0):
-        with pytest.raises(nw.InputError, match="deceleration"):
-            speed_governor(KVLCC2, made.helm, limits, deceleration=wrong)
-    assert speed_governor(KVLCC2, made.helm, limits, most_revolutions=7.0).most_revolutions == 7.0

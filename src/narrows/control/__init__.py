@@ -12,8 +12,6 @@ from narrows.control.regulator import Regulator as Regulator
 from narrows.control.regulator import RegulatorWeights as RegulatorWeights
 from narrows.control.regulator import lqr as lqr
 from narrows.control.regulator import regulator as regulator
-from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
-from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import linearize as linearize
 from narrows.control.steady_course import steady_course as steady_course
 from narrows.simulation.initial_state import self_propulsion as self_propulsion

@@ -8,12 +8,6 @@ LEAD_TIME = 0.45
 SLOWEST = 0.05
 # Least decay rate of the slowest motion over the fastest that counts as stable [1]: rounding moves poles by less.
 LEAST_DECAY = 1e-7
-# Deceleration of a speed plan relative to that with the propeller stopped [1].
-EASE = 0.5
-# Default of the engine's most revolutions, relative to those that keep the fastest limit [1].
-ENGINE_RESERVE = 1.5
-# Time constant of the speed governor's integral.
-GOVERNOR_TIME = 3.0
 # Predictive helm: horizon of a plan [ship lengths], number of intervals, its largest number, and plans per interval.
 HORIZON_LENGTHS = 2.4
 INTERVALS, MOST_INTERVALS, PLANS_AN_INTERVAL = 30, 60, 5
