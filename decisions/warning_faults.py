@@ -11,7 +11,7 @@ import string
 import sys
 import tempfile
 import time
-from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 import pyais
@@ -20,8 +20,7 @@ from pages import markdown, publish
 from narrows.readers.nmea import NmeaDecoder, checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertLog, AlertState, Priority, command_of, logged
-from narrows.warning.inputs.listening import Arrival, Inbox, SignalK
-from narrows.warning.settings import OTHERS_QUEUE
+from narrows.warning.inputs.listening import Connection, Listening, Piece
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000
 LONGEST = 0.02
@@ -38,7 +37,7 @@ def killed(count: int) -> tuple[str, str]:
         for number in range(count):
             path = Path(folder) / f"{number // A_LOG}.db"
             told = _writer_killed(path, chance.uniform(0.0, LONGEST))
-            known = {row.number for row in logged(path)} if path.exists() else set()
+            known = set(logged(path)) if path.exists() else set()
             published, missing = published + len(told), missing + len(set(told) - known)
     return f"kill -9 while writing, {count} times", f"{published} alerts published, {missing} missing from the log"
 
@@ -64,7 +63,7 @@ def _write_on(path: Path, pipe: int) -> None:
     with AlertLog(path, deadline=30.0) as log:
         for number in range(100_000):
             if log.alert(Alert(10110, Priority.WARNING, AlertState.UNACKNOWLEDGED, str(number))):
-                os.write(pipe, b"%d\n" % log._last.number)
+                os.write(pipe, b"%d\n" % log.count)
     os._exit(0)
 
 
@@ -78,7 +77,7 @@ def many_ships(count: int) -> tuple[str, str]:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         line = pyais.encode_dict({**usual, "mmsi": chance.randrange(200_000_000, 776_000_000)}, sentence_type="VDM")[0]
         for one in sentences([line.encode()], decoder.faults):
-            decoder.decode(one, 0.01 * number)
+            decoder.decode(one)
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
     took = 1e6 * (time.process_time() - start) / count
     kept = f"{len(decoder.ships)} of at most {MOST_SHIPS} kept, memory grew by {grown:.1f} MB over the last nine tenths"
@@ -87,19 +86,24 @@ def many_ships(count: int) -> tuple[str, str]:
 
 def burst(count: int) -> tuple[str, str]:
     """Reports of others in one second, and the ship's own last."""
-    inbox, decoder = Inbox(), NmeaDecoder()
-    lines = [
+    others = [
         pyais.encode_dict({"type": 1, "mmsi": 244_000_000 + k}, sentence_type="VDM")[0].encode() for k in range(200)
     ]
-    own = _sentence("HEHDT,12.00,T")
-    start = time.process_time()
-    for one in sentences([*(lines * (count // 200)), own], decoder.faults):
-        inbox.put(Arrival(0.0, one))
-    (first,) = inbox.own()
-    took = time.process_time() - start
-    heard = decoder.decode(first.message, 0.0)
-    lost = f"{inbox.lost} of others left out, {OTHERS_QUEUE} kept"
-    return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({heard.source}); {lost}"
+    piece = b"\r\n".join([*(others * (count // 200)), _sentence("HEHDT,12.00,T")])
+
+    def opened() -> Iterator[Piece]:
+        yield Piece(piece)
+        while True:
+            time.sleep(0.05)
+            yield Piece(b"")
+
+    start = time.monotonic()
+    with Listening([Connection("burst", False, opened)]) as listening:
+        while not listening._lines:
+            time.sleep(0.001)
+        took = time.monotonic() - start
+        (first,) = next(listening.ticks()).entries
+    return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({first.message.source})"
 
 
 def fuzzed(count: int) -> list[tuple[str, str]]:
@@ -112,26 +116,23 @@ def fuzzed(count: int) -> list[tuple[str, str]]:
     makers = {
         "NMEA 0183": lambda: _sentence(f"{chance.choice(KINDS)},{noise(LETTERS, 60)}"),
         "AIS": lambda: _sentence(f"AIVDM,1,1,,A,{noise(string.printable[:75], 60)},0", "!"),
-        "Signal K": lambda: ('{"updates":[{"values":[{"path":"' + noise(string.printable, 60) + '"}]}]}').encode(),
         "commands": lambda: _sentence(f"INACN,{noise(LETTERS, 20)},NRW,{noise(LETTERS, 12)},C"),
     }
     for name, make in makers.items():
-        faults, decoder, start = Counter[str](), NmeaDecoder(), time.process_time()
-        for number in range(count):
-            _parse(name, make(), decoder, faults, 0.01 * number)
+        decoder, start = NmeaDecoder(), time.process_time()
+        for _ in range(count):
+            _parse(name, make(), decoder)
         costs.append(1e6 * (time.process_time() - start) / count)
     spent = f"none raised an error; {min(costs):.0f} to {max(costs):.0f} us each"
     return [(f"{count} fuzzed lines of each of {', '.join(makers)}", spent)]
 
 
-def _parse(name: str, line: bytes, decoder: NmeaDecoder, faults: Counter[str], t: float) -> None:
-    if name == "Signal K":
-        list(SignalK(faults).deltas(line, 0.0))
-    elif name == "commands":
+def _parse(name: str, line: bytes, decoder: NmeaDecoder) -> None:
+    if name == "commands":
         command_of(line.strip())
     else:
         for one in sentences([line.strip()], decoder.faults):
-            decoder.decode(one, t)
+            decoder.decode(one)
 
 
 def _sentence(body: str, begin: str = "$") -> bytes:

@@ -17,7 +17,7 @@ from transit import canal
 import narrows as nw
 import narrows.warning.page as page_room
 from narrows.warning import settings
-from narrows.warning.alerts.alert import SENSORS, SHIP_OR_WATER, AlertState, Condition, Priority
+from narrows.warning.alerts.alert import OTHER_DEPTH, SENSORS, AlertState, Condition, Priority
 from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE, clearances
 from narrows.warning.page.bridge_page import (
     CROWDED,
@@ -58,7 +58,7 @@ def test_messages_are_what_their_schema_says() -> None:
 
 def test_a_doubt_is_told_beside_the_headline() -> None:
     said = Watched().status(
-        forecast(60.0, 14.0), conditions={**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond.")}
+        forecast(60.0, 14.0), conditions={**ALARM, OTHER_DEPTH: Condition(Priority.CAUTION, "Beyond.")}
     )
     assert said.headline == ALARM[BANK].text
     assert said.caveats == ("Beyond.",)

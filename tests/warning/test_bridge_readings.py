@@ -33,7 +33,7 @@ def heard(readings: BridgeReadings, t: float, *entries: Entry) -> Messages:
 )
 def test_a_place_more_than_a_kilometre_beyond_banks_or_ends_is_none(s: float, n: float) -> None:
     """The canal is 300 m wide."""
-    messages = heard(BridgeReadings(canal()), 0.0, entry(0.0, position=fix(s, n)))
+    messages = heard(BridgeReadings(canal(), 8.0), 0.0, entry(0.0, position=fix(s, n)))
     if s > -1000.0 and abs(n) < 1150.0:
         assert messages.readings["gnss"] == pytest.approx((s, n), abs=0.01)
         assert messages.faults == {"garbled": 2}
@@ -43,7 +43,7 @@ def test_a_place_more_than_a_kilometre_beyond_banks_or_ends_is_none(s: float, n:
 
 
 def test_a_place_beyond_the_far_end_counts_each_time() -> None:
-    readings, length = BridgeReadings(canal()), canal().line.length
+    readings, length = BridgeReadings(canal(), 8.0), canal().line.length
     x, y = canal().to_map(length, 0.0, 0.0)[0]
     beyond = []
     for more in (900.0, 1100.0, 1200.0):
@@ -57,7 +57,7 @@ def test_a_place_beyond_the_far_end_counts_each_time() -> None:
 
 
 def test_headings_count_from_the_line_once_a_place_is_known() -> None:
-    readings, along = BridgeReadings(canal()), float(canal().to_map(4500.0, 0.0, 0.0)[1])
+    readings, along = BridgeReadings(canal(), 8.0), float(canal().to_map(4500.0, 0.0, 0.0)[1])
     directions = {
         "heading": {"heading": along - 0.1 + 2 * math.pi},
         "speed_over_ground": {"course_over_ground": along + 0.2 - 2 * math.pi, "speed_over_ground": 4.0},
@@ -73,7 +73,7 @@ def test_headings_count_from_the_line_once_a_place_is_known() -> None:
 
 
 def test_speed_over_ground_stands_for_a_log_that_was_never_heard_less_the_current() -> None:
-    readings = BridgeReadings(canal().with_water(current=0.5))
+    readings = BridgeReadings(canal().with_water(current=0.5), 8.0)
     over_ground = {"speed_over_ground": {"speed_over_ground": 4.0}}
     assert heard(readings, 0.0, entry(0.0, **over_ground)).readings == {"ground_log": 3.5}
     log = {"speed_through_the_water": {"u": 3.4}}
@@ -84,11 +84,11 @@ def test_speed_over_ground_stands_for_a_log_that_was_never_heard_less_the_curren
 def test_rates_rudder_and_revolutions_have_the_names_of_sensors() -> None:
     told = {"yaw_rate": {"r": 0.01}, "rudder": {"rudder": -0.2}, "revolutions": {"revolutions": 1.5}}
     expected = {"rate_of_turn": 0.01, "rudder": -0.2, "revolutions": 1.5}
-    assert heard(BridgeReadings(canal()), 0.0, entry(0.0, **told)).readings == expected
+    assert heard(BridgeReadings(canal(), 8.0), 0.0, entry(0.0, **told)).readings == expected
 
 
 def test_ages_count_from_the_last_message_or_from_the_first_second() -> None:
-    readings = BridgeReadings(canal())
+    readings = BridgeReadings(canal(), 8.0)
     first = heard(readings, 10.0, entry(9.4, heading={"heading": 0.1}), entry(9.2, heading={"heading": 0.2}))
     assert first.ages == pytest.approx({"heading": 0.6, "position": 0.0, "rudder": 0.0})
     assert first.t == 10.0
@@ -96,27 +96,16 @@ def test_ages_count_from_the_last_message_or_from_the_first_second() -> None:
     assert later.ages == pytest.approx({"heading": 3.6, "position": 3.0, "rudder": 3.0})
 
 
-@pytest.mark.parametrize(("usual", "reported", "depth"), [(8.0, None, 14.0), (8.0, 9.0, 15.0), (None, 9.0, 15.0)])
-def test_water_under_the_keel_counts_with_the_draft_that_is_reported(
-    usual: float | None, reported: float | None, depth: float
-) -> None:
-    readings = BridgeReadings(canal(), usual)
-    if reported:
-        assert heard(readings, 0.0, entry(0.0, particulars={"draft": reported})).draft == reported
-    messages = heard(readings, 1.0, entry(1.0, depth_of_water={"under_keel_clearance": 6.0}))
-    assert (messages.depth, messages.draft) == (depth, reported)
+def test_water_under_the_keel_counts_with_the_draft_of_the_model() -> None:
+    readings = BridgeReadings(canal(), 8.0)
+    assert heard(readings, 1.0, entry(1.0, depth_of_water={"under_keel_clearance": 6.0})).depth == 14.0
     assert heard(readings, 2.0, entry(2.0, depth_of_water={"depth": 16.0})).depth == 16.0
     assert heard(readings, 3.0).depth is None
 
 
-def test_without_any_draft_the_water_under_the_keel_is_no_depth() -> None:
-    messages = heard(BridgeReadings(canal()), 0.0, entry(0.0, depth_of_water={"under_keel_clearance": 6.0}))
-    assert messages.depth is None
-
-
 def test_the_better_sentence_is_taken_and_another_after_more_than_5_s_of_silence() -> None:
     """HDT before THS before what is unknown."""
-    readings = BridgeReadings(canal())
+    readings = BridgeReadings(canal(), 8.0)
     heard(readings, 0.0, entry(0.0, position=fix(800.0, 0.0)))
     said = [
         (0.0, "TITHS compass", 0.1, True), (1.0, "PLXXX plotter", 0.2, False), (2.0, "HEHDT gyro", 0.3, True),
@@ -131,7 +120,7 @@ def test_the_better_sentence_is_taken_and_another_after_more_than_5_s_of_silence
 
 def test_columns_of_one_second_are_joined_and_the_last_counts() -> None:
     told = heard(
-        BridgeReadings(canal()), 1.0, entry(0.2, rudder={"rudder": 0.1}), entry(0.8, rudder={"rudder": 0.3}),
+        BridgeReadings(canal(), 8.0), 1.0, entry(0.2, rudder={"rudder": 0.1}), entry(0.8, rudder={"rudder": 0.3}),
         entry(0.9, yaw_rate={"r": 0.01}),
     )  # fmt: skip
     assert told.readings == {"rudder": 0.3, "rate_of_turn": 0.01}

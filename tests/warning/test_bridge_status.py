@@ -16,8 +16,8 @@ from narrows.warning.alerts.alert import (
     BANKS,
     LOG_LATE,
     NO_FORECAST,
+    OTHER_DEPTH,
     SENSORS,
-    SHIP_OR_WATER,
     SITUATIONS,
     Alert,
     AlertDesk,
@@ -31,7 +31,7 @@ from narrows.warning.alerts.alert import (
 )
 from narrows.warning.inputs.bridge_readings import Messages
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, alc, alf, hbt, sender_to
-from narrows.warning.monitoring.bridge_monitor import BridgeMonitor, Cautions, extrapolations, other_draft_or_depth
+from narrows.warning.monitoring.bridge_monitor import BridgeMonitor, Cautions, extrapolations, other_depth
 from narrows.warning.monitoring.watched_transit import BridgeStatus, Clearances, TransitLog, score_transits
 
 
@@ -73,7 +73,7 @@ def test_a_level_ends_where_the_time_to_act_is_longer_than_its_threshold_over_07
 def messages(t: float = 0.0, **given: object) -> Messages:
     ages = {"position": 0.0, "heading": 0.0, "rudder": 0.0}
     ages |= given.pop("ages", {})  # type: ignore[arg-type]
-    return Messages(t, {}, ages, {}, **{"draft": None, "depth": None, **given})  # type: ignore[arg-type]
+    return Messages(t, {}, ages, {}, **{"depth": None, **given})  # type: ignore[arg-type]
 
 
 def calm_estimate(refused: tuple[str, ...] = (), suspects: tuple[str, ...] = ()) -> SimpleNamespace:
@@ -92,7 +92,7 @@ def test_a_silent_sensor_is_a_caution_and_a_needed_one_soon_a_warning(
     what: str, age: float, priority: Priority
 ) -> None:
     """3 s for position, heading and rudder, which end the forecasts after 10 s; 10 s for the others."""
-    said = Cautions().conditions(messages(ages={what: age}), calm_estimate(), {})
+    said = Cautions().conditions(messages(ages={what: age}), calm_estimate(), "")
     assert said[SENSORS[what]].priority is priority
     assert bool(said[SENSORS[what]].text) == (priority > Priority.NONE)
     assert all(not one.priority for situation, one in said.items() if situation != SENSORS[what])
@@ -100,25 +100,19 @@ def test_a_silent_sensor_is_a_caution_and_a_needed_one_soon_a_warning(
 
 def test_a_doubt_is_shown_for_ten_seconds_after_it_last_held() -> None:
     cautions = Cautions()
-    said = cautions.conditions(messages(0.0), calm_estimate(("gnss",), ("gyro",)), {"depth": "the echo sounder reads"})
+    said = cautions.conditions(messages(0.0), calm_estimate(("gnss",), ("gyro",)), "the echo sounder reads")
     texts = {SENSORS["position"]: "gnss jumps", SENSORS["heading"]: "gyro drifts, or is led astray"}
     assert {one: said[one].text for one in texts} == texts
-    assert said[SHIP_OR_WATER] == Condition(Priority.CAUTION, "the echo sounder reads")
-    held = cautions.conditions(messages(9.9), calm_estimate(), {})
+    assert said[OTHER_DEPTH] == Condition(Priority.CAUTION, "the echo sounder reads")
+    held = cautions.conditions(messages(9.9), calm_estimate(), "")
     assert {one: held[one].text for one in texts} == texts
-    over = cautions.conditions(messages(10.0), calm_estimate(), {})
+    over = cautions.conditions(messages(10.0), calm_estimate(), "")
     assert not any(one.priority for one in over.values())
 
 
-@pytest.mark.parametrize(
-    ("what", "share", "is_said"),
-    [("draft", 1.029, False), ("draft", 1.031, True), ("draft", 0.969, True), ("draft", 0.971, False),
-     ("depth", 1.09, False), ("depth", 1.11, True), ("depth", 0.89, True), ("depth", 0.91, False)],
-)  # fmt: skip
-def test_another_draft_by_3_percent_and_another_depth_by_10_is_said(what: str, share: float, is_said: bool) -> None:
-    usual = ship().configuration.ship.draft if what == "draft" else 16.2
-    told = messages(**{what: share * usual})
-    assert set(other_draft_or_depth(ship(), canal(), estimate(0.0), told)) == ({what} if is_said else set())
+@pytest.mark.parametrize(("share", "is_said"), [(1.09, False), (1.11, True), (0.89, True), (0.91, False)])
+def test_another_depth_by_10_percent_is_said(share: float, is_said: bool) -> None:
+    assert bool(other_depth(canal(), estimate(0.0), messages(depth=share * 16.2))) is is_said
 
 
 def test_conditions_that_no_test_covered_are_named_one_by_one() -> None:
@@ -162,9 +156,9 @@ def conditions(
 
 
 def test_without_an_estimate_an_alert_of_draft_or_depth_stays_as_it_was() -> None:
-    assert SHIP_OR_WATER in conditions(118.0, None)
+    assert OTHER_DEPTH in conditions(118.0, None)
     unknown = SimpleNamespace(ready=False, refused=(), suspects=())
-    assert SHIP_OR_WATER not in conditions(118.0, None, seen=unknown)
+    assert OTHER_DEPTH not in conditions(118.0, None, seen=unknown)
 
 
 def test_a_missing_forecast_is_a_warning_after_20_s_and_a_hazard_has_a_side() -> None:

@@ -1,20 +1,14 @@
-"""Those who look on at a monitor: slow and dead ones hold up nobody; servers of Signal K are told again."""
+"""Those who look on at a monitor: slow and dead ones hold up nobody."""
 
 import asyncio
-import json
 import socket
 import time
 from collections import deque
-from threading import Thread
-from typing import Any
 
 import pytest
-from shown_page import ALARM, BANK, HANDSHAKE, soon
+from shown_page import HANDSHAKE, soon
 
-import narrows as nw
 from narrows.warning import settings
-from narrows.warning.alerts.alert import SENSORS, AlertDesk, Command, Condition, Priority
-from narrows.warning.monitoring.alert_publisher import SignalKSender, notifications
 from narrows.warning.page.bridge_page import UPDATES, BridgePage, Clients
 
 ANSWER_QUEUE = 16  # answers that wait for a client
@@ -130,56 +124,3 @@ def test_a_dead_browser_holds_up_neither_the_monitor_nor_another(monkeypatch: py
                 assert len(page.updates) == 1
                 page.updates.publish("last")
                 assert soon(lambda: alive.recv(2.0) == "last")
-
-
-def test_notifications_are_as_signal_k_has_them() -> None:
-    desk = AlertDesk()
-    desk.update(0.0, {**ALARM, SENSORS["heading"]: Condition(Priority.CAUTION, "no heading for 4 s")})
-    told = notifications(desk, 1_700_000_000.0)
-    (update,) = told["updates"]
-    values = {one["path"].removeprefix("notifications.narrows."): one["value"] for one in update["values"]}
-    assert (told["context"], update["timestamp"]) == ("vessels.self", "2023-11-14T22:13:20.000Z")
-    assert values["bankToStbd"] == {"state": "alarm", "method": ["visual", "sound"], "message": ALARM[BANK].text}
-    assert values["sensorHeading"] == {"state": "alert", "method": [], "message": "no heading for 4 s"}
-    assert values["noBankForecast"]["state"] == "normal"
-    desk.command(1.0, BANK.identifier, 1, Command.SILENCE)
-    silent = notifications(desk, 0.0)["updates"][0]["values"][1]["value"]
-    assert (silent["state"], silent["method"]) == ("alarm", ["visual"])
-
-
-def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch_ends(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    serve = pytest.importorskip("websockets.sync.server", reason="of the extra monitor").serve
-    monkeypatch.setattr("narrows.warning.settings.FIRST_PAUSE", 0.05)
-    heard: list[tuple[str, str]] = []
-
-    def hear(line: Any) -> None:
-        line.send('{"name": "a server"}')
-        heard.append((line.request.path, told(line.recv())["state"]))
-        if len(heard) == 2:
-            heard.extend(("", told(line.recv())["state"]) for _ in range(2))
-
-    def told(message: str) -> dict[str, Any]:
-        value: dict[str, Any] = json.loads(message)["updates"][0]["values"][1]["value"]
-        return value
-
-    desk = AlertDesk()
-    with serve(hear, "127.0.0.1", 0) as server:
-        Thread(target=server.serve_forever, daemon=True).start()
-        with SignalKSender(f"ws://127.0.0.1:{server.socket.getsockname()[1]}") as sender:
-            sender.send(desk, 0.0)
-            assert soon(lambda: len(heard) == 2)
-            desk.update(0.0, ALARM)
-            sender.send(desk, 1.0)
-            assert soon(lambda: len(heard) == 3)
-        assert soon(lambda: len(heard) == 4)
-        server.shutdown()
-    assert heard == [("/signalk/v1/stream?subscribe=none", "normal")] * 2 + [("", "alarm"), ("", "normal")]
-
-
-@pytest.mark.parametrize("address", ["http://a:1", "ws://", "udp://a:1"])
-def test_what_is_no_server_of_signal_k_is_refused(address: str) -> None:
-    pytest.importorskip("websockets", reason="of the extra monitor")
-    with pytest.raises(nw.InputError, match=r"write it as in ws://192\.168\.1\.20:3000"):
-        SignalKSender(address)

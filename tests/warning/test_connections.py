@@ -1,8 +1,7 @@
-"""Connections that break, lines in pieces, Signal K at the ends of its ranges; the page's scene by geometry."""
+"""Connections that break, lines in pieces; the page's scene by geometry."""
 
 import json
 import math
-from collections import Counter
 from collections.abc import Generator
 from types import SimpleNamespace
 
@@ -11,7 +10,7 @@ import pytest
 from shown_page import NOW, Watched, estimate, forecast
 from transit import canal
 
-from narrows.warning.inputs.listening import Connection, LineSplitter, Piece, SignalK, connection_of
+from narrows.warning.inputs.listening import Connection, Piece, connection_of, split_lines
 from narrows.warning.page.bridge_page import BridgePage, Clients, address_of, request_of, scene
 
 
@@ -43,61 +42,23 @@ def test_a_broken_connection_is_tried_again_each_time_twice_as_late_up_to_30_s()
         raise ConnectionResetError("reset")
 
     stop = Stopper(11)
-    told = list(Connection("a", False, False, opened).pieces(stop))  # type: ignore[arg-type]
+    told = list(Connection("a", False, opened).pieces(stop))  # type: ignore[arg-type]
     assert told == [Piece(b"piece")]
     assert stop.waited == [0.5, 1.0, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0, 30.0]
 
 
 def test_lines_come_whole_whatever_the_pieces() -> None:
-    faults: Counter[str] = Counter()
-    splitter = LineSplitter(faults)
-    assert splitter.lines(b"$A,1\r\n$B") == [b"$A,1"]
-    assert splitter.lines(b",2\r") == [b"$B,2"]
-    assert splitter.lines(b"\n$C", whole=True) == [b"$C"]
-    assert splitter.lines(b"$D\n") == [b"$D"]
-    assert splitter.lines(b"x" * 4096) == []
-    assert splitter.lines(b"\n") == [b"x" * 4096]
-    assert not faults
-    assert splitter.lines(b"x" * 4097) == []
-    assert faults == {"that never ended": 1}
-    assert splitter.lines(b"$E\n") == [b"$E"]
+    assert split_lines(b"$A,1\r\n$B", False) == ([b"$A,1"], b"$B")
+    assert split_lines(b"$B,2\r", False) == ([b"$B,2"], b"")
+    assert split_lines(b"\n$C", True) == ([b"$C"], b"")
+    assert split_lines(b"x" * 4096, False) == ([], b"x" * 4096)
+    assert split_lines(b"y" + b"x" * 4096, False) == ([], b"x" * 4096)
 
 
-LIMITS = {
-    "navigation.headingTrue": 2 * math.pi, "navigation.rateOfTurn": 1.0, "navigation.speedThroughWater": 60.0,
-    "navigation.speedOverGround": 60.0, "navigation.courseOverGroundTrue": 2 * math.pi,
-    "steering.rudderAngle": math.pi / 2, "propulsion.port.revolutions": 100.0, "design.draft.current": 50.0,
-}  # fmt: skip
-
-
-def signal_k(path: str, value: object) -> list[dict[str, dict[str, float]]]:
-    text = json.dumps({"updates": [{"values": [{"path": path, "value": value}]}]}).encode()
-    return [one.values for one in SignalK(Counter()).deltas(text, 0.0)]
-
-
-@pytest.mark.parametrize(("path", "largest"), LIMITS.items())
-def test_signal_k_takes_what_a_ship_can_do_and_no_more(path: str, largest: float) -> None:
-    """A turn, a radian a second, 60 m/s, a right angle, 100 revolutions a second, 50 m of draft."""
-    for value in (largest, -largest):
-        ((columns,),) = (one.values() for one in signal_k(path, value))
-        assert list(columns.values()) == [value]
-    assert not any(signal_k(path, value) for value in (1.001 * largest, -1.001 * largest, True, "1", None))
-
-
-def test_a_place_of_signal_k_is_on_earth() -> None:
-    ends = {"longitude": -180.0, "latitude": 90.0}
-    assert signal_k("navigation.position", ends) == [{"position": ends}]
-    for wrong in ({**ends, "latitude": 90.1}, {**ends, "longitude": 180.1}, {"latitude": 1.0}, 3.0):
-        assert signal_k("navigation.position", wrong) == []
-
-
-@pytest.mark.parametrize(
-    ("address", "whole", "is_signal_k"),
-    [("udp://:10110", True, False), ("tcp://127.0.0.1:10110", False, False), ("ws://127.0.0.1:3000", True, True)],
-)
-def test_a_datagram_and_a_delta_are_whole_and_a_stream_is_not(address: str, whole: bool, is_signal_k: bool) -> None:
+@pytest.mark.parametrize(("address", "whole"), [("udp://:10110", True), ("tcp://127.0.0.1:10110", False)])
+def test_a_datagram_is_whole_and_a_stream_is_not(address: str, whole: bool) -> None:
     found = connection_of(address)
-    assert (found.address, found.whole, found.signal_k) == (address, whole, is_signal_k)
+    assert (found.address, found.whole) == (address, whole)
 
 
 def test_a_page_has_room_for_32_and_a_token_that_nobody_guesses() -> None:

@@ -125,7 +125,7 @@ def test_alerts_are_logged_sent_and_answered(tmp_path: Path) -> None:
     assert {"ALF", "ALC", "HBT", "ARC"} == set(kinds)
     acknowledged = [line for line in heard if f",A,NRW,{BANK.identifier}" in line and line[7:10] == "2,1"]
     assert len(acknowledged) == 1
-    rows = [row for row in logged(tmp_path / "log.db") if f'"identifier": {BANK.identifier}' in row.content]
+    rows = [row for row in logged(tmp_path / "log.db").values() if row.identifier == BANK.identifier]
     assert len(rows) * 2 == len([line for line in heard if f"NRW,{BANK.identifier}," in line and "ALF" in line])
 
 

@@ -1,8 +1,5 @@
 """What a monitor hears: sentences by other means than ours, sockets of this machine, and every way to garble them."""
 
-import asyncio
-import contextlib
-import json
 import math
 import random
 import socket
@@ -10,7 +7,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
@@ -25,20 +21,16 @@ from narrows.readers.nmea import DecodedMessage, Entry, NmeaDecoder, Sentence, s
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick, by_second, in_order, replay
 from narrows.warning.inputs.listening import (
     NO_PEER,
-    OTHER_VESSEL,
-    OUT_OF_DATE,
-    Arrival,
+    NO_TIME,
     Connection,
-    Inbox,
-    LineSplitter,
     Listening,
     Piece,
-    SignalK,
     connection_of,
+    split_lines,
 )
 
-# Bounds of memory: ships, bytes of a line, messages that wait.
-MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000
+# Bounds of memory: ships, and lines that wait.
+MOST_SHIPS, MOST_LINES = 2000, 20_000
 
 
 def understood(*lines: str, mmsi: int | None = None, decoder: NmeaDecoder | None = None) -> list[dict]:
@@ -52,7 +44,7 @@ def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) ->
     decoder = NmeaDecoder()
     told = [decoder.decode(one) for one in sentences([line.encode() for line in lines], decoder.faults)]
     entries = [Entry(t, one) for one in told if one is not None]
-    return (bridge or BridgeReadings(WAY)).convert(Tick(t, entries, dict(decoder.faults)))
+    return (bridge or BridgeReadings(WAY, 8.0)).convert(Tick(t, entries, dict(decoder.faults)))
 
 
 def test_a_second_becomes_readings_along_the_waterway() -> None:
@@ -81,7 +73,7 @@ def test_a_fix_elsewhere_on_earth_is_none() -> None:
 
 def test_a_waterway_that_is_nowhere_is_refused() -> None:
     with pytest.raises(nw.InputError, match="give its origin, or read it from GeoJSON"):
-        BridgeReadings(nowhere())
+        BridgeReadings(nowhere(), 8.0)
 
 
 @pytest.mark.parametrize("field", ["", "nan", "inf", "-inf", "1e999", "511", "-128", "9999", "x"])
@@ -128,13 +120,13 @@ def test_memory_stays_bounded_whatever_ships_there_are() -> None:
 
 @given(st.binary(max_size=300), st.integers(0, 5))
 def test_fuzzed_bytes_are_counted_and_never_raise(noise: bytes, at: int) -> None:
-    decoder, splitter = NmeaDecoder(), LineSplitter(Counter())
+    decoder, rest = NmeaDecoder(), b""
     line = told_at(3.0)[at].encode()
     cut = len(line) * (at + 1) // 6
     for piece in (line[:cut] + noise, line[cut:] + b"\r\n", noise, b"\n"):
-        for one in sentences(splitter.lines(piece), decoder.faults):
+        lines, rest = split_lines(rest + piece, False)
+        for one in sentences(lines, decoder.faults):
             decoder.decode(one)
-    list(SignalK(decoder.faults).deltas(noise, 0.0))
 
 
 @given(st.text(alphabet="0123456789.,-ANEWTKMnaif", max_size=60), st.sampled_from(
@@ -158,19 +150,8 @@ def test_corrupted_sentences_are_never_believed() -> None:
     assert sum(decoder.faults.values()) > 2900
 
 
-def test_a_line_that_never_ends_is_given_up() -> None:
-    faults: Counter[str] = Counter()
-    splitter = LineSplitter(faults)
-    for _ in range(2 * LONGEST_LINE // 100 + 2):
-        assert splitter.lines(b"x" * 100) == []
-    assert faults == {"that never ended": 2}
-    assert splitter.lines(b"\n$A\r\n$B")[-1] == b"$A"
-    assert splitter.lines(b",1") == []
-    assert splitter.lines(b"\n") == [b"$B,1"]
-
-
 def test_the_best_is_believed_and_another_where_it_is_silent() -> None:
-    bridge = BridgeReadings(WAY)
+    bridge = BridgeReadings(WAY, 8.0)
     good, other = told_at(3.0)[1], sentence("AGTHS,77.0,A")
     first = heard(good, other, t=0.0, bridge=bridge)
     heard(*told_at(0.0), t=0.5, bridge=bridge)
@@ -178,65 +159,6 @@ def test_the_best_is_believed_and_another_where_it_is_silent() -> None:
         assert "gyro" not in heard(other, t=float(t), bridge=bridge).readings
     assert "gyro" in heard(other, t=6.0, bridge=bridge).readings
     assert "gyro" not in first.readings  # where the line lies is told by a position alone
-
-
-def delta(values: list[dict], **told: object) -> bytes:
-    return json.dumps({"context": "vessels.self", "updates": [{"$source": "n2k.1", "values": values}], **told}).encode()
-
-
-def test_signal_k_tells_in_si() -> None:
-    values = [
-        {"path": "navigation.position", "value": {"longitude": 5.0, "latitude": 52.0}},
-        {"path": "navigation.headingTrue", "value": 1.0}, {"path": "steering.rudderAngle", "value": -0.1},
-        {"path": "propulsion.port.revolutions", "value": 1.5}, {"path": "navigation.rateOfTurn", "value": None},
-        {"path": "navigation.speedOverGround", "value": math.nan}, {"path": "environment.depth", "value": 1},
-    ]  # fmt: skip
-    (told,) = SignalK(Counter()).deltas(delta(values), 0.0)
-    assert told.source == "signalk n2k.1"
-    assert told.values == {
-        "position": {"longitude": 5.0, "latitude": 52.0}, "heading": {"heading": 1.0}, "rudder": {"rudder": -0.1},
-        "revolutions": {"revolutions": 1.5},
-    }  # fmt: skip
-
-
-def test_signal_k_is_of_the_own_vessel_whatever_the_server_calls_it() -> None:
-    """Signal K 1.7, streaming: the server's first words name the own vessel, by which deltas may go."""
-    faults, (own, other) = Counter[str](), (f"urn:mrn:imo:mmsi:24400000{n}" for n in (1, 2))
-    server, heading = SignalK(faults), [{"path": "navigation.headingTrue", "value": 1.0}]
-    assert list(server.deltas(delta(heading, context=f"vessels.{own}"), 0.0)) == []
-    list(server.deltas(json.dumps({"name": "a server", "self": own}).encode(), 0.0))
-    assert len(list(server.deltas(delta(heading, context=f"vessels.{own}"), 0.0))) == 1
-    assert list(server.deltas(delta(heading, context=f"vessels.{other}"), 0.0)) == []
-    assert faults == {OTHER_VESSEL: 2}
-
-
-@pytest.mark.parametrize(("age", "taken"), [(0.0, True), (4.9, True), (5.1, False), (3600.0, False), (-60.0, False)])
-def test_signal_k_that_is_out_of_date_is_not_taken(age: float, taken: bool) -> None:
-    faults, now = Counter[str](), 1_777_680_000.0
-    stamp = datetime.fromtimestamp(now - age, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    update = {"timestamp": stamp, "values": [{"path": "navigation.headingTrue", "value": 1.0}]}
-    told = list(SignalK(faults).deltas(json.dumps({"updates": [update]}).encode(), now))
-    assert (bool(told), faults[OUT_OF_DATE]) == (taken, not taken)
-
-
-@pytest.mark.parametrize("garbled", [b"{", b"[]", b"1", b'{"updates": 3}', b'{"updates": [{"values": [{}]}]}', b"\xff"])
-def test_garbled_signal_k_is_counted(garbled: bytes) -> None:
-    faults: Counter[str] = Counter()
-    assert list(SignalK(faults).deltas(garbled, 0.0)) == []
-    assert sum(faults.values()) == 1
-
-
-def test_own_messages_go_before_those_of_others_and_neither_grow() -> None:
-    inbox = Inbox()
-    for number in range(2 * OTHERS_QUEUE):
-        inbox.put(Arrival(float(number), Sentence(b"", "AIVDM", None)))
-    inbox.put(Arrival(-1.0, Sentence(b"", "GPGGA", None)))
-    assert [one.t for one in inbox.own()] == [-1.0]
-    assert inbox.lost == OTHERS_QUEUE
-    assert inbox.other() == Arrival(float(OTHERS_QUEUE), Sentence(b"", "AIVDM", None))
-    for number in range(OWN_QUEUE + 3):
-        inbox.put(Arrival(float(number), Sentence(b"", "GPGGA", None)))
-    assert inbox.own()[0].t == 3.0
 
 
 def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew() -> None:
@@ -266,23 +188,35 @@ def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew() -> None:
 
 
 def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
-    """20 000 reports of others and a second of the ship's own, all at once: the own are all in the first two ticks."""
+    """20 000 reports of others and a second of the ship's own, all at once: the own are all in the first two ticks.
+
+    Of more own sentences than there is room for, the oldest are left out, and counted.
+    """
     others = "\r\n".join(ais("VDM", 244000000 + k)[0] for k in range(200)) + "\r\n"
-    piece = (100 * others + "\r\n".join(told_at(30.0)) + "\r\n").encode()
+    own = "\r\n".join(told_at(30.0)) + "\r\n"
+    pieces = [(100 * others + own).encode(), 4000 * own.encode()]
 
     def opened() -> Iterator[Piece]:
-        yield Piece(piece)
+        yield Piece(pieces[0])
+        flood.wait()
+        yield Piece(pieces[1])
         while True:
             time.sleep(0.05)
             yield Piece(b"")
 
-    with Listening([Connection("burst", False, False, opened)]) as listening:
+    flood = threading.Event()
+    with Listening([Connection("burst", False, opened)]) as listening:
         told, start = listening.ticks(), time.monotonic()
-        heard = Counter(entry.message.source for tick in (next(told), next(told)) for entry in tick.entries)
+        first = [next(told), next(told)]
         assert time.monotonic() - start < 4.0
-        lost = next(told).faults["for which there was no time"]
-    assert {"GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"} <= set(heard)
-    assert lost >= 20_000 - OTHERS_QUEUE - 5_000
+        flood.set()
+        while len(listening._lines) < MOST_LINES or not listening._lost:
+            time.sleep(0.01)
+        last = next(told)
+    heard = Counter(entry.message.source for tick in first for entry in tick.entries)
+    assert heard == dict.fromkeys(("GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"), 1)
+    assert NO_TIME not in first[1].faults
+    assert last.faults[NO_TIME] + len(last.entries) == 24_000
 
 
 def test_commands_are_taken_from_those_alone_who_may_give_them() -> None:
@@ -318,32 +252,9 @@ def test_a_mode_tells_what_a_position_is(mode: str, taken: bool) -> None:
     assert [any(one.values()) for one in told] == [taken] * 4
 
 
-def test_signal_k_is_heard_over_a_websocket() -> None:
-    from websockets.asyncio.server import serve
-    from websockets.exceptions import ConnectionClosed
-
-    async def talk(websocket: object) -> None:
-        with contextlib.suppress(ConnectionClosed):
-            for _ in range(50):
-                await websocket.send(delta([{"path": "navigation.headingTrue", "value": 1.0}]).decode())
-                await asyncio.sleep(0.05)
-
-    port: list[int] = []
-
-    async def run() -> None:
-        async with serve(talk, "127.0.0.1", 0) as server:
-            port.append(server.sockets[0].getsockname()[1])
-            await asyncio.sleep(3.0)
-
-    threading.Thread(target=lambda: asyncio.run(run()), daemon=True).start()
-    while not port:
-        time.sleep(0.01)
-    with Listening([connection_of(f"ws://127.0.0.1:{port[0]}")]) as listening:
-        tick = next(listening.ticks())
-    assert {entry.message.source for entry in tick.entries} == {"signalk n2k.1"}
-
-
-@pytest.mark.parametrize("address", ["udp://", "tcp://host", "http://a:1", "serial://", "tcp://a:99999", "ws://", "x"])
+@pytest.mark.parametrize(
+    "address", ["udp://", "tcp://host", "http://a:1", "serial://", "tcp://a:99999", "ws://a:3000", "x"]
+)
 def test_an_address_that_is_none_is_one_sentence(address: str) -> None:
     with pytest.raises(nw.InputError, match="udp://:10110"):
         connection_of(address)

@@ -7,11 +7,11 @@ import pytest
 from shown_page import ALARM, BANK, Pulse, Watched, asked, forecast, soon
 
 from browsers import chromium
-from narrows.warning.alerts.alert import NO_FORECAST, SHIP_OR_WATER, Condition, Priority
+from narrows.warning.alerts.alert import NO_FORECAST, OTHER_DEPTH, Condition, Priority
 from narrows.warning.page.bridge_page import BridgePage
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
-URGENT = {**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond the data: speed 4.2 m/s.")}
+URGENT = {**ALARM, OTHER_DEPTH: Condition(Priority.CAUTION, "Beyond the data: speed 4.2 m/s.")}
 
 
 @pytest.fixture(scope="module")

@@ -127,6 +127,7 @@ def test_what_is_asked_for_on_the_page_goes_the_way_of_the_bridge(tmp_path: Path
         for tick in requests.joined([Tick(BEGAN + 18, (), {})], one.desk):
             one.update(tick, BEGAN + 18)
     assert one.desk[BANK].state is AlertState.ACKNOWLEDGED
-    assert '"ACKNOWLEDGED"' in [row.content for row in logged(log.path) if "10111" in row.content][-1]
+    last = [row for row in logged(log.path).values() if row.identifier == BANK.identifier][-1]
+    assert last.state is AlertState.ACKNOWLEDGED
     assert [line for line in sent if f",A,NRW,{BANK.identifier}" in line]
     assert np.shape(told["scene"]["fan"]["members"]) == (FAN_MEMBERS, 13, 2)

@@ -107,7 +107,7 @@ def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) ->
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "decision support" in page
     assert "in contact with it" in page
-    assert len(list(logged(tmp_path / "a.db"))) == len(told["alerts"])
+    assert len(logged(tmp_path / "a.db")) == len(told["alerts"])
     assert len((tmp_path / "b.nmea").read_bytes().splitlines()) == 7 * told["seconds"]
 
 
@@ -150,7 +150,7 @@ def test_the_demonstration_is_a_mistake_in_a_canal_that_bends() -> None:
 def test_the_sensors_of_the_demonstration_scatter_about_its_voyage() -> None:
     """Standard deviations as stated: 1 m, 0.2 degrees, 0.03 degrees a second, 0.05 m/s, and no mean error."""
     shown = demonstration()
-    readings, voyage = BridgeReadings(shown.waterway), shown.voyage
+    readings, voyage = BridgeReadings(shown.waterway, 8.0), shown.voyage
     told = [readings.convert(tick).readings for tick in shown.ticks()]
     speed, course = np.hypot(voyage.u, voyage.v), voyage.psi + np.arctan2(voyage.v, voyage.u)
     sensors = {
@@ -197,7 +197,7 @@ def test_sigterm_ends_a_watch_as_ctrl_c_does() -> None:
         (("--replay", "a.nmea"), "give exactly one of MODEL, --demo"),
         (("--demo", "--pace", "0"), "--pace 0 is no pace"),
         (("--demo", "--port", "9"), "--port goes with --page; add it"),
-        (("--demo", "--send", "ws://"), "write it as in ws://192.168.1.20:3000"),
+        (("--demo", "--send", "ws://"), "write the address as in udp://239.192.0.1:60001"),
         (
             ("a.toml", "--replay", "a", "--waterway", "b", "--recording", "c.nmea"),
             "--recording goes with --demo",

@@ -35,9 +35,7 @@ USUAL_SPEED = 4.0  # Speed for compiling the kernels [m/s]
 
 @dataclass(frozen=True)
 class InputOptions:
-    listen: Annotated[
-        list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."
-    ] = None
+    listen: Annotated[list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800; again."] = None
     replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
     score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
     demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
@@ -55,7 +53,7 @@ RECORDING = Option(help="Write the messages of --demo, for --replay: .nmea.", ch
 @dataclass(frozen=True)
 class AlertOptions:
     log: Annotated[Path | None, "Log of alerts, written before they are sent: .db."] = None
-    send: Annotated[list[str] | None, "ALF, ALC, HBT, ARC to udp://HOST:PORT; Signal K to ws://HOST; again."] = None
+    send: Annotated[list[str] | None, "ALF, ALC, HBT and ARC to udp://HOST:PORT; again."] = None
     recording: Annotated[Path | None, RECORDING] = None
 
 
@@ -182,7 +180,7 @@ def _watch(
 
 
 def end_by_sigterm() -> None:
-    """Let SIGTERM end the watch like Ctrl-C, with notice to pages and servers."""
+    """Let SIGTERM end the watch like Ctrl-C, with notice to pages."""
     if threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGTERM, signal.default_int_handler)
 
@@ -198,23 +196,16 @@ def _print_status(number: int, status: "BridgeStatus") -> None:
 
 def _outputs(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
     from narrows.warning.alerts.alert import AlertLog
-    from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender, sender_to
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
-    if log and log.aside:
-        click.secho(log.aside, err=True, bold=True)
-    sends, servers = [], []
-    for address in alerts.send or ():
-        if address.startswith(("ws://", "wss://")):
-            servers.append(stack.enter_context(SignalKSender(address)))
-        else:
-            sends.append(stack.enter_context(sender_to(address)))
+    sends = [stack.enter_context(sender_to(address)) for address in alerts.send or ()]
 
     def send(sentence: str) -> None:
         for send_to in sends:
             send_to(sentence)
 
-    return AlertPublisher(log, send, servers)
+    return AlertPublisher(log, send)
 
 
 def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":

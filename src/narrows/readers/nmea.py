@@ -55,8 +55,7 @@ SOURCES = {
     "speed over ground in the ship's axes": ("VBW",),
     "wind": ("MWD",),
 }
-# Groups that are not measured by a navigation sensor: the ship's draft, and the echo sounder's depth.
-PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
+WATER_DEPTH = "depth of water"  # Group of the echo sounder
 
 
 def decode_text(text: bytes, kind: str, mmsi: int | None = None) -> DecodedMessage | None:

@@ -1,26 +1,25 @@
 """An alert and what becomes of it: raised, silenced, acknowledged, rectified; the log of all alerts.
 
-They are on disk before they are published, each row bound to the one before, and states are back after a restart. A
-thread writes, and who publishes waits for it no longer than a deadline: a disk that is stuck or full delays an alert by
-that, and mutes none. What could not be written is kept, in order, and written as soon as it can be.
+They are on disk before they are published, and states are back after a restart. A thread writes, and who publishes
+waits for it no longer than a deadline: a disk that is stuck or full delays an alert by that, and mutes none. What could
+not be written is kept, in order, and written as soon as it can be.
 
 Source: IEC 62923-1:2018, Bridge alert management, for priorities, states and the 30 s of a silence.
 """
 
-import hashlib
 import json
 import math
 import re
 import sqlite3
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, closing, suppress
+from contextlib import AbstractContextManager, closing
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
 from pathlib import Path
 from queue import Queue
 from threading import Event, Thread
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from narrows.base.errors import InputError, reason
 from narrows.warning import settings
@@ -164,7 +163,7 @@ class Situation(NamedTuple):
 
 
 BANKS = {"port": Situation(10110, "BANK TO PORT"), "starboard": Situation(10111, "BANK TO STBD")}
-SHIP_OR_WATER = Situation(10130, "DRAFT OR DEPTH")
+OTHER_DEPTH = Situation(10130, "DEPTH OF WATER")
 NO_FORECAST = Situation(10140, "NO BANK FORECAST")
 LOG_LATE = Situation(10150, "ALERT LOG LATE")
 OTHER_SENSORS = Situation(10120, "OTHER SENSORS")
@@ -177,7 +176,7 @@ SENSORS = {
 }  # fmt: skip
 ANY_SENSOR = (*SENSORS.values(), OTHER_SENSORS)
 # By identifier.
-SITUATIONS = {one.identifier: one for one in (*BANKS.values(), *ANY_SENSOR, SHIP_OR_WATER, NO_FORECAST, LOG_LATE)}
+SITUATIONS = {one.identifier: one for one in (*BANKS.values(), *ANY_SENSOR, OTHER_DEPTH, NO_FORECAST, LOG_LATE)}
 
 
 # All alerts of a monitor: one a hazard, changed by conditions, by commands and by time.
@@ -249,24 +248,7 @@ class BankLevel:
         return self.level
 
 
-TABLE = """
-CREATE TABLE IF NOT EXISTS rows (
-    number INTEGER PRIMARY KEY, written REAL NOT NULL, kind TEXT NOT NULL, content TEXT NOT NULL, hash TEXT NOT NULL
-)
-"""
-NO_ROW = "0" * 64
-
-
-class ChangedLog(InputError):
-    """A log whose rows do not follow from one another."""
-
-
-class LogRow(NamedTuple):
-    number: int  # Number of the entry, from 1 on
-    written: float  # Since 1970 [s]
-    kind: str  # Kind: ``alert``, ``command``, ``status``
-    content: str  # JSON
-    hash: str  # SHA-256 of the hash before it and of all else
+TABLE = "CREATE TABLE IF NOT EXISTS alerts (number INTEGER PRIMARY KEY, written REAL NOT NULL, content TEXT NOT NULL)"
 
 
 class AlertLog(AbstractContextManager["AlertLog"]):
@@ -277,29 +259,13 @@ class AlertLog(AbstractContextManager["AlertLog"]):
         connect: Callable[[], sqlite3.Connection] | None = None,
     ) -> None:
         self.path, self.deadline, self.trouble = path, deadline, ""
-        self._connect, self.aside = connect or (lambda: _opened(path)), ""
-        rows = self._kept() if path.exists() else []
-        contents = [json.loads(row.content) for row in rows if row.kind == "alert"]
-        self.alerts = tuple(
-            Alert(**{**last, "priority": Priority[last["priority"]], "state": AlertState[last["state"]]})
-            for last in {content["identifier"]: content for content in contents}.values()
-        )
-        self._last = rows[-1] if rows else LogRow(0, 0.0, "", "", NO_ROW)
-        self._waiting, self._closing = Queue[tuple[LogRow, Event] | None](), Event()
+        self._connect = connect or (lambda: _opened(path))
+        known = logged(path) if path.exists() else {}
+        self.alerts = tuple({alert.identifier: alert for alert in known.values()}.values())
+        self.count = max(known, default=0)
+        self._waiting, self._closing = Queue[tuple[tuple[int, float, str], Event] | None](), Event()
         self._thread = Thread(target=self._run, daemon=True)
         self._thread.start()
-
-    def _kept(self) -> list[LogRow]:
-        """Rows of a log that is whole; one that was changed is put aside: a watch does not wait for an inquiry."""
-        try:
-            return list(logged(self.path))
-        except ChangedLog as changed:
-            aside = self.path.with_suffix(f".changed-{time.time():.0f}{self.path.suffix}")
-            self.aside = f"{changed} It is {aside.name} now, and a new one is begun."
-            for end in ("", "-wal", "-shm"):
-                with suppress(FileNotFoundError):
-                    Path(f"{self.path}{end}").rename(f"{aside}{end}")
-            return []
 
     def __exit__(self, *error: object) -> None:
         self._closing.set()
@@ -307,13 +273,10 @@ class AlertLog(AbstractContextManager["AlertLog"]):
         self._thread.join(self.deadline + settings.DISK_RETRY)
 
     def alert(self, alert: Alert) -> bool:
-        """Write an alert; return whether it is on disk."""
-        return self.write("alert", {**vars(alert), "priority": alert.priority.name, "state": alert.state.name})
-
-    def write(self, kind: str, content: Mapping[str, Any]) -> bool:
-        """Write a row; return whether it is on disk before the deadline."""
-        row = LogRow(self._last.number + 1, time.time(), kind, json.dumps(content, sort_keys=True), "")
-        row = self._last = row._replace(hash=_hash(self._last, row))
+        """Write an alert; return whether it is on disk before the deadline."""
+        content = {**vars(alert), "priority": alert.priority.name, "state": alert.state.name}
+        self.count += 1
+        row = self.count, time.time(), json.dumps(content, sort_keys=True)
         self._waiting.put((row, written := Event()))
         return written.wait(self.deadline)
 
@@ -324,7 +287,7 @@ class AlertLog(AbstractContextManager["AlertLog"]):
                 try:
                     connection = connection or self._connect()
                     with connection:
-                        connection.execute("INSERT OR IGNORE INTO rows VALUES (?, ?, ?, ?, ?)", row)
+                        connection.execute("INSERT OR IGNORE INTO alerts VALUES (?, ?, ?)", row)
                     self.trouble = ""
                     written.set()
                 except sqlite3.Error as error:
@@ -337,20 +300,17 @@ class AlertLog(AbstractContextManager["AlertLog"]):
             connection.close()
 
 
-def logged(path: Path) -> Iterator[LogRow]:
-    """Yield the rows of a log, each held to the one before."""
-    before = LogRow(0, 0.0, "", "", NO_ROW)
+def logged(path: Path) -> dict[int, Alert]:
+    """Return the alerts of a log by the numbers of their rows."""
     try:
         with closing(_opened(path)) as connection:
-            for row in map(LogRow._make, connection.execute("SELECT * FROM rows ORDER BY number")):
-                if row.number != before.number + 1 or row.hash != _hash(before, row):
-                    raise ChangedLog(
-                        f"{path}: row {row.number} does not follow from the one before: the log was changed, or rows "
-                        "were lost; keep it."
-                    )
-                yield row
-                before = row
-    except sqlite3.Error as error:
+            rows = connection.execute("SELECT number, content FROM alerts ORDER BY number").fetchall()
+        lasts = {number: json.loads(content) for number, content in rows}
+        return {
+            number: Alert(**{**last, "priority": Priority[last["priority"]], "state": AlertState[last["state"]]})
+            for number, last in lasts.items()
+        }
+    except (sqlite3.Error, ValueError, TypeError, KeyError) as error:
         raise InputError(f"{path}: is no log of alerts ({reason(error)}); name another") from None
 
 
@@ -364,7 +324,3 @@ def _opened(path: Path) -> sqlite3.Connection:
         connection.close()  # Python 3.13 warns of a connection that is dropped open.
         raise
     return connection
-
-
-def _hash(before: LogRow, row: LogRow) -> str:
-    return hashlib.sha256(repr((before.hash, *row[:-1])).encode()).hexdigest()

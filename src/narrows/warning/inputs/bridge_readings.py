@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.base.errors import InputError
-from narrows.readers.nmea import PARTICULARS, SOURCES, WATER_DEPTH, Entry, Recording, Values
+from narrows.readers.nmea import SOURCES, WATER_DEPTH, Entry, Recording, Values
 from narrows.warning.alerts.alert import AlertCommand
 from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD, SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.map_lines import projected
@@ -30,8 +30,7 @@ class Messages(NamedTuple):
     # Age of the last message of each group [s]; of a needed one since the first tick, where there was none
     ages: dict[str, float]
     faults: dict[str, int]  # Messages that were left out so far
-    draft: float | None  # As the ship reports it [m]
-    depth: float | None = None  # [m] of the water by the echo sounder: clearance under the keel plus draft
+    depth: float | None = None  # Depth of the water by the echo sounder: clearance under the keel plus draft [m]
 
 
 class Tick(NamedTuple):
@@ -44,30 +43,27 @@ class Tick(NamedTuple):
 
 
 class BridgeReadings:
-    def __init__(self, waterway: Waterway, draft: float | None = None) -> None:
+    def __init__(self, waterway: Waterway, draft: float) -> None:
         if waterway.origin is None:
             raise InputError(
                 f"{waterway.name} has no place on earth, and a bridge reports longitude and latitude; give "
                 "its origin, or read it from GeoJSON"
             )
-        self.waterway, self._origin, self._usual_draft = waterway, np.array(waterway.origin), draft
+        self.waterway, self._origin, self._draft = waterway, np.array(waterway.origin), draft
         self._chosen: dict[str, tuple[str, int, float]] = {}  # Source, its rank, and the time of its last message [s]
         self._along, self._s, self._off = math.nan, 0.0, 0
         self._last: dict[str, float] = {}
-        self._draft: float | None = None
 
     def convert(self, tick: Tick) -> Messages:
         values = self._latest(tick.entries)
         for what in NEEDED:
             self._last.setdefault(what, tick.t)
-        water, draft = values.pop(WATER_DEPTH, {}), self._draft or self._usual_draft
-        depth = water.get("depth")
-        if "under_keel_clearance" in water and draft is not None:
-            depth = water["under_keel_clearance"] + draft
+        water = values.pop(WATER_DEPTH, {})
+        depth = water.get("depth", water.get("under_keel_clearance", math.nan) + self._draft) if water else None
         readings = self._place(values.pop("position", {})) | self._directions(values) | self._others(values)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
         ages = {name: tick.t - t for name, t in self._last.items()}
-        return Messages(tick.t, readings, ages, faults, self._draft, depth)
+        return Messages(tick.t, readings, ages, faults, depth)
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
         values: dict[str, Values] = {}
@@ -76,7 +72,6 @@ class BridgeReadings:
                 if columns and self._accepts(about, entry.message.source, entry.t):
                     values[about] = {**values.get(about, {}), **columns}
                     self._last[about] = max(entry.t, self._last.get(about, -math.inf))
-        self._draft = values.pop(PARTICULARS, {}).get("draft", self._draft)
         return values
 
     def _place(self, values: Values) -> dict[str, Reading]:

@@ -29,9 +29,9 @@ from narrows.warning.alerts.alert import (
     CALM,
     LOG_LATE,
     NO_FORECAST,
+    OTHER_DEPTH,
     OTHER_SENSORS,
     SENSORS,
-    SHIP_OR_WATER,
     Alert,
     AlertCommand,
     AlertDesk,
@@ -113,8 +113,6 @@ class BridgeMonitor:
         changed += self.desk.update(t, conditions)
         self.publisher.publish(changed, since_1970)
         self.publisher.beat(t, self.desk.alerts, forecast is not None)
-        for server in self.publisher.servers:
-            server.send(self.desk, since_1970)
         room = clearances(self.model.configuration.ship, self.waterway, estimate)
         limits = extrapolations(self.model, self.waterway, estimate) if estimate.ready else ()
         return BridgeStatus(t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits)
@@ -140,10 +138,10 @@ class BridgeMonitor:
         self, messages: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
     ) -> dict[Situation, Condition]:
         late = self.publisher.late
-        different = other_draft_or_depth(self.model, self.waterway, estimate, messages) if estimate.ready else {}
-        conditions = self._cautions.conditions(messages, estimate, different)
+        depth = other_depth(self.waterway, estimate, messages) if estimate.ready else ""
+        conditions = self._cautions.conditions(messages, estimate, depth)
         if not estimate.ready:  # No estimate is no agreement: the alert stays as it was.
-            del conditions[SHIP_OR_WATER]
+            del conditions[OTHER_DEPTH]
         conditions[LOG_LATE] = Condition(Priority.CAUTION, late) if late else CALM
         early = messages.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
@@ -176,14 +174,11 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
     return (*extrapolation(model.data_range, known, unknown=True), *bottom)
 
 
-def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, messages: Messages) -> dict[str, str]:
-    ship, words = model.configuration.ship, {}
+def other_depth(waterway: Waterway, estimate: Estimate, messages: Messages) -> str:
     depth = float(waterway.section(min(max(estimate["x"], 0.0), waterway.line.length)).depth)
-    if messages.draft is not None and abs(messages.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
-        words["draft"] = f"the ship reports a draft of {messages.draft:g} m; its model is of {ship.draft:g} m"
-    if messages.depth is not None and abs(messages.depth - depth) > settings.DEPTH_TOLERANCE * depth:
-        words["depth"] = f"the echo sounder reads {messages.depth:.1f} m of water; {waterway.name} has {depth:.1f} m"
-    return words
+    if messages.depth is None or abs(messages.depth - depth) <= settings.DEPTH_TOLERANCE * depth:
+        return ""
+    return f"the echo sounder reads {messages.depth:.1f} m of water; {waterway.name} has {depth:.1f} m"
 
 
 # Quantity that each sensor of the estimator measures.
@@ -194,22 +189,21 @@ MEASURES = {
 
 
 class Cautions:
-    """Cautions on sensors, ship and water; doubts and differences are shown for a while after they last held."""
+    """Cautions on sensors and water; doubts and differences are shown for a while after they last held."""
 
     def __init__(self) -> None:
         self._held: dict[tuple[Situation, str], tuple[float, str]] = {}  # When it last held, and in words
 
-    def conditions(
-        self, messages: Messages, estimate: Estimate, different: Mapping[str, str]
-    ) -> dict[Situation, Condition]:
+    def conditions(self, messages: Messages, estimate: Estimate, depth: str) -> dict[Situation, Condition]:
         """Return a caution for each sensor that is silent or doubted, a warning where it ends the forecasts."""
         for names, words in ((estimate.refused, "jumps"), (estimate.suspects, "drifts, or is led astray")):
             for name in names:
                 situation = SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)
                 self._held[situation, name + words] = messages.t, f"{name} {words}"
-        self._held |= {(SHIP_OR_WATER, what): (messages.t, words) for what, words in different.items()}
+        if depth:
+            self._held[OTHER_DEPTH, ""] = messages.t, depth
         self._held = {what: one for what, one in self._held.items() if messages.t - one[0] < settings.HOLD_TIME}
-        said: dict[Situation, list[str]] = {one: [] for one in (*ANY_SENSOR, SHIP_OR_WATER)}
+        said: dict[Situation, list[str]] = {one: [] for one in (*ANY_SENSOR, OTHER_DEPTH)}
         for what, age in messages.ages.items():
             if age > (settings.SENSOR_SILENCE if what in NEEDED else settings.OTHER_SENSOR_SILENCE):
                 said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
@@ -318,4 +312,4 @@ class Monitor(Aliased):
         for what in NEEDED:
             self._last.setdefault(what, t)
         known: dict[str, Any] = {**measured, **positions}
-        return Messages(t, known, {what: t - last for what, last in self._last.items()}, {}, None)
+        return Messages(t, known, {what: t - last for what, last in self._last.items()}, {})

@@ -13,7 +13,7 @@ from narrows.estimation.states import Estimate
 from narrows.ship.particulars import Configuration, Ship, half_swept
 from narrows.simulation.outcome import water_notes
 from narrows.warning import settings
-from narrows.warning.alerts.alert import ANY_SENSOR, LOG_LATE, SAME, SHIP_OR_WATER, Alert, BankLevel, Priority
+from narrows.warning.alerts.alert import ANY_SENSOR, LOG_LATE, OTHER_DEPTH, SAME, Alert, BankLevel, Priority
 from narrows.warning.forecasting.forecaster import BankForecast, level_time
 from narrows.waterway.waterway import Waterway
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 NOT_AVAILABLE, CLEAR, WATCH = "not available", "clear", "watch"
 # Situations in which less is to be believed.
-DOUBTS = tuple(one.identifier for one in (*ANY_SENSOR, SHIP_OR_WATER, LOG_LATE))
+DOUBTS = tuple(one.identifier for one in (*ANY_SENSOR, OTHER_DEPTH, LOG_LATE))
 
 
 class HullEnd(NamedTuple):
