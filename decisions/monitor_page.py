@@ -22,7 +22,7 @@ from PIL import Image
 
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.demonstration import LINE, demonstration
-from narrows.warning.page.bridge_page import BridgePage, packed, update_of
+from narrows.warning.page.bridge_page import BridgePage, update_of
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")
@@ -57,13 +57,14 @@ def pages() -> Iterator[Any]:
     with page.open() as address, sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=["--no-sandbox", "--disable-dev-shm-usage"])
 
-        def shown(update: str, size: str, palette: str) -> bytes:
+        def shown(update: dict[str, Any], size: str, palette: str) -> bytes:
             width, height = SIZES[size]
             tab = browser.new_page(viewport={"width": width, "height": height}, reduced_motion="reduce")
             tab.add_init_script(f"localStorage.setItem('narrows-palette', '{palette}')")
-            page.updates.publish(update)
             tab.goto(address)
-            tab.wait_for_selector("html:not([data-stale])")
+            while tab.locator("html[data-stale]").count():
+                page.send(update)
+                tab.wait_for_timeout(SETTLED)
             tab.wait_for_timeout(SETTLED)
             picture = tab.screenshot(full_page=size == "phone")
             tab.close()
@@ -73,17 +74,17 @@ def pages() -> Iterator[Any]:
         browser.close()
 
 
-def updates() -> Iterator[tuple[str, str]]:
+def updates() -> Iterator[tuple[str, dict[str, Any]]]:
     """Status of each second of the demonstration, and what the page is told."""
     shown = demonstration()
     watched = BridgeMonitor(shown.model, shown.waterway, LINE)
     watched.prepare(USUAL_SPEED)
     for tick in shown.ticks():
         status = watched.update(tick, tick.t)
-        yield status.word, packed(update_of(watched, status, tick.t))
+        yield status.word, update_of(watched, status, tick.t)
 
 
-def moments() -> dict[str, str]:
+def moments() -> dict[str, Any]:
     """What the page is told at the moments of the demonstration."""
     told, seconds = {}, Counter[str]()
     for word, update in updates():

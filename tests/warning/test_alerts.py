@@ -377,4 +377,4 @@ def test_times_that_a_navigator_sees() -> None:
     assert (numbers.DEPTH_TOLERANCE, numbers.NEAR_MISS) == (0.1, 20.0)
     assert (numbers.HORIZON, numbers.ESCAPE_TIME, numbers.WRONG_ORDER_TIME) == (120.0, 100.0, 40.0)
     assert (numbers.CONTACT_CLEARANCE, numbers.NEEDED_TIME, numbers.BEFORE_CONTACT) == (5.0, 10.0, 300.0)
-    assert (numbers.LATE, numbers.OLDEST_UPDATE) == (60.0, 2.0)
+    assert (numbers.LATE, numbers.MOST_CLIENTS) == (60.0, 32)

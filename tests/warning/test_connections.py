@@ -11,7 +11,7 @@ from shown_page import NOW, Watched, estimate, forecast
 from transit import canal
 
 from narrows.warning.inputs.listening import Connection, Piece, connection_of, split_lines
-from narrows.warning.page.bridge_page import BridgePage, Clients, address_of, request_of, scene
+from narrows.warning.page.bridge_page import address_of, request_of, scene
 
 
 class Stopper:
@@ -59,17 +59,6 @@ def test_lines_come_whole_whatever_the_pieces() -> None:
 def test_a_datagram_is_whole_and_a_stream_is_not(address: str, whole: bool) -> None:
     found = connection_of(address)
     assert (found.address, found.whole) == (address, whole)
-
-
-def test_a_page_has_room_for_32_and_a_token_that_nobody_guesses() -> None:
-    """18 bytes are 24 letters."""
-    page, clients = BridgePage(), Clients()
-    assert (len(clients), clients.number, clients.newest) == (0, 0, "")
-    assert len(page.token) == 24
-    for count, full in ((31, False), (32, True), (33, True)):
-        clients.count = count
-        assert clients.full is full
-    assert page.updates.lasts == 2.0
 
 
 @pytest.mark.parametrize(

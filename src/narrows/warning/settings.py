@@ -75,7 +75,6 @@ CONTACT_CLEARANCE = 5.0  # [m] counts as contact, as in scores: positions are no
 MOST_SECONDS = 86_400  # [s] of a watch that are kept: a day; the log of alerts has the rest
 MOST_ALERTS = 10_000  # changes of alerts that are kept of a watch
 # The page
-OLDEST_UPDATE = 2.0  # [s] an older update is sent to no page: it would look new there
 FAREWELL = 0.3  # [s] for the last message to arrive
 HEADER_TIMEOUT = 5.0  # [s] in which a browser has asked for something
 MOST_CONNECTIONS = 128  # open connections of browsers; more are closed at once
@@ -85,8 +84,7 @@ SERVER_TIMEOUT = 10.0  # [s] for the server to start or to end
 LONGEST_REQUEST = 512  # [characters]
 REQUEST_QUEUE = 64  # requests between two updates
 SEND_TIMEOUT = 5.0  # [s] for one message to one client; then that client is let go
-SEND_INTERVAL = 0.05  # [s] between looks for messages to one client
-ANSWER_QUEUE = 16  # answers that wait for one client
+REQUEST_INTERVAL = 0.05  # [s] between requests of one client; more of them wait
 MOST_CLIENTS = 32  # clients at a time
 # Scores
 NEEDED_TIME = 10.0  # [s] to act, that a person needs: the median of reactions

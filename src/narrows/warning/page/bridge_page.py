@@ -2,19 +2,16 @@
 
 import asyncio
 import hmac
-import ipaddress
 import json
 import logging
-import math
 import secrets
 import socket
 import time
-from collections import deque
-from collections.abc import Awaitable, Callable, Coroutine, Iterable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib.resources import files
 from queue import Full, Queue
-from threading import Thread
+from threading import Event, Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
@@ -86,39 +83,6 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
     }  # fmt: skip
 
 
-class Clients:
-    """Who look on: each receives the newest message, at its own pace, and answers to it alone."""
-
-    def __init__(self, lasts: float = math.inf) -> None:
-        self.lasts, self.newest, self.number, self.count, self._at = lasts, "", 0, 0, -math.inf
-
-    def __len__(self) -> int:
-        return self.count
-
-    @property
-    def full(self) -> bool:
-        return self.count >= settings.MOST_CLIENTS
-
-    def publish(self, message: str) -> None:
-        """Leave the newest message, in any thread, without waiting for anything."""
-        self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
-
-    async def serve(self, answers: deque[str], send: Callable[[str], Awaitable[None]]) -> None:
-        """Send answers and the newest message as they come; looking for them needs no wake-up from other threads."""
-        sent = 0
-        self.count += 1
-        try:
-            while True:
-                while answers:
-                    await asyncio.wait_for(send(answers.popleft()), settings.SEND_TIMEOUT)
-                if sent != self.number and time.monotonic() - self._at <= self.lasts:
-                    sent = self.number
-                    await asyncio.wait_for(send(self.newest), settings.SEND_TIMEOUT)
-                await asyncio.sleep(settings.SEND_INTERVAL)
-        finally:
-            self.count -= 1
-
-
 UPDATES = "/updates"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
 LOOPBACK = "127.0.0.1"
@@ -142,8 +106,6 @@ TOKEN_BYTES = 18
 
 def refusal(known: str, token: str, host: str, origin: str | None = None) -> str:
     """Return why somebody with a token is refused, in a sentence; empty where nobody is."""
-    if not _is_here(host):
-        return NO_HOST
     if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
         return NO_ORIGIN
     # In constant time, so that nobody can guess it letter by letter.
@@ -156,8 +118,9 @@ Answer = Callable[[str], None]
 
 class BridgePage:
     def __init__(self, token: str = "") -> None:
-        self.token = token or secrets.token_urlsafe(TOKEN_BYTES)
-        self.updates, self.requests = Clients(settings.OLDEST_UPDATE), PageRequests()
+        self.token, self.requests = token or secrets.token_urlsafe(TOKEN_BYTES), PageRequests()
+        self._server: Any = None  # While the page is open
+        self._late: dict[Any, float] = {}  # Clients that have not read the last update, and since when [s]
         folder = files(__package__).joinpath("assets")
         self._texts = {f"/assets/{path.name}": path.read_text(encoding="utf-8") for path in folder.iterdir()}
         self._texts |= {f"/assets/{name}": asset(name) for name in SHARED}
@@ -169,37 +132,51 @@ class BridgePage:
         with needs("monitor", "the monitor's page"):
             from websockets.asyncio.server import serve
 
-        async def begin() -> Any:
-            return await serve(
+        started, ended = Event(), asyncio.Event()
+
+        async def run() -> None:
+            async with serve(
                 self._attend, sock=listening, process_request=self._respond, create_connection=capped_connection(),
                 open_timeout=settings.HEADER_TIMEOUT, ping_interval=settings.PING_INTERVAL,
                 ping_timeout=settings.PING_INTERVAL, close_timeout=1.0, max_size=settings.LARGEST_MESSAGE,
                 server_header=None, logger=LOGGER,
-            )  # fmt: skip
+            ) as self._server:  # fmt: skip
+                started.set()
+                await ended.wait()
 
-        async def end() -> None:
-            server.close()
-            await server.wait_closed()
-
-        def run(work: Coroutine[Any, Any, Any]) -> Any:
-            return asyncio.run_coroutine_threadsafe(work, loop).result(settings.SERVER_TIMEOUT)
-
-        with _listening(host, port) as listening, closing(asyncio.new_event_loop()) as loop:
-            thread = Thread(target=loop.run_forever, daemon=True)
+        with _listening(host, port) as listening:
+            thread = Thread(target=lambda: asyncio.run(run()), daemon=True)
             thread.start()
-            server = run(begin())
+            started.wait(settings.SERVER_TIMEOUT)
+            loop = self._server.get_loop()
             try:
                 yield f"http://{address_of(host)}:{listening.getsockname()[1]}/?token={self.token}"
-                self.updates.publish(packed({"kind": "ended", "sentence": ENDED}))
-                time.sleep(settings.FAREWELL * bool(self.updates))
+                self.send({"kind": "ended", "sentence": ENDED})
+                time.sleep(settings.FAREWELL)
             finally:
-                with suppress(TimeoutError):
-                    run(end())
-                loop.call_soon_threadsafe(loop.stop)
+                loop.call_soon_threadsafe(ended.set)
                 thread.join(settings.SERVER_TIMEOUT)
+                self._server = None
 
     def publish(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
-        self.updates.publish(packed(update_of(monitored, status, since_1970)))
+        self.send(update_of(monitored, status, since_1970))
+
+    def send(self, message: Mapping[str, Any], to: Any = None) -> None:
+        """Send a message to one client or to all, from any thread, without waiting for anything."""
+        if self._server:
+            self._server.get_loop().call_soon_threadsafe(self._spread, packed(message), to)
+
+    def _spread(self, text: str, to: Any) -> None:
+        from websockets.asyncio.server import broadcast
+
+        now, clients = time.monotonic(), self._server.connections
+        # Who has not read the last update is given no other, which would look new when it comes, and is let go at last.
+        late = {one: self._late.get(one, now) for one in clients if one.transport.get_write_buffer_size()}
+        for one, since in late.items():
+            if now - since > settings.SEND_TIMEOUT:
+                one.transport.abort()
+        self._late = late
+        broadcast([to] if to else clients - late.keys(), text)
 
     def _respond(self, connection: Any, request: Any) -> Any:
         """Answer what asks for no updates, or for none that it may have."""
@@ -213,22 +190,14 @@ class BridgePage:
             return _response(connection, FORBIDDEN, why)
         if asked.path == "/":
             return _response(connection, 200, self._index, ".html")
-        return _response(connection, TOO_MANY, CROWDED) if self.updates.full else None
+        crowded = len(self._server.connections) >= settings.MOST_CLIENTS
+        return _response(connection, TOO_MANY, CROWDED) if crowded else None
 
     async def _attend(self, connection: Any) -> None:
-        answers = deque[str](maxlen=settings.ANSWER_QUEUE)
-
-        async def hear() -> None:
-            async for text in connection:
-                self.requests.take(text, lambda why: answers.append(packed({"kind": "refused", "sentence": why})))
-                # Who talks without pause waits: the monitor needs the machine.
-                await asyncio.sleep(settings.SEND_INTERVAL)
-
-        tasks = [asyncio.create_task(work) for work in (self.updates.serve(answers, connection.send), hear())]
-        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        async for text in connection:
+            self.requests.take(text, lambda why: self.send({"kind": "refused", "sentence": why}, connection))
+            # Who talks without pause waits: the monitor needs the machine.
+            await asyncio.sleep(settings.REQUEST_INTERVAL)
 
 
 def address_of(host: str) -> str:
@@ -336,15 +305,4 @@ class PageRequests:
 
 
 NO_TOKEN = "The token is missing or wrong; open the address that the monitor printed when it started."
-NO_HOST = "The monitor is reached by its number or as localhost, not by another name; open the address that it printed."
 NO_ORIGIN = "A page of another server asks; open the monitor's own page."
-
-
-def _is_here(host: str) -> bool:
-    """Return whether a host is a number or a name of this machine: other names may be redirected here."""
-    own = socket.gethostname().lower()
-    try:
-        name = (urlsplit(f"//{host}").hostname or "").rstrip(".")
-        return name in ("localhost", own, f"{own}.local") or bool(ipaddress.ip_address(name))
-    except ValueError:
-        return False
