@@ -273,7 +273,7 @@ class Table:
         others = {
             "model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": np.array([0.0, 0.7]),
             "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
-            "reserve": 0.9, "keel": 0.13, "samples": 5, "most_revolutions": refused(1.0),
+            "reserve": 0.9, "keel": 0.13, "samples": 5,
             "seed": 1, "walls": (3.0, 2.5), "bank": "sloping", "controller": "human", "workers": refused(-1),
             "progress": shown(True), "curvature": 0.02, "current": under(0.1, curvature=0.02),
         }  # fmt: skip

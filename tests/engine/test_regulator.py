@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.control import HeldLine, LinearSystem, Regulator, linearize, regulator
 from narrows.control.regulator import RegulatorWeights, rate_driven
-from narrows.quantities.arithmetic import COLUMNS
+from narrows.quantities.arithmetic import COLUMNS, choice
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip, Steering, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
@@ -325,3 +325,27 @@ def test_gains_along_the_way_are_those_of_each_place() -> None:
         np.testing.assert_allclose(line.gains, alone.gains)
     with pytest.raises(nw.InputError, match="give one of the two"):
         regulator(model, [(0.0, 0.0), (5.0, 0.1)], 1.0, waterway=waterway, at=places)
+
+
+def test_a_law_of_ones_own_orders_revolutions_of_a_fleet_as_of_one_ship() -> None:
+    """About a regulator: fewer revolutions from 2 m on."""
+    tanker = nw.published("yasukawa2015_kvlcc2")
+    helm = regulator(tanker, 0.0, 0.8)
+
+    class Slowing:
+        def parameters(self) -> Any:
+            return {**helm.parameters(), "slows_at": 2.0, "fast": 11.0, "slow": 5.0}
+
+        def memory(self, start: Any) -> Any:
+            return helm.memory(start)
+
+        def orders(self, at: Any) -> Any:
+            orders, memory = helm.orders(at)
+            return {**orders, "revolutions": choice(at.x - at.slows_at, at.slow, at.fast)}, memory
+
+    start = {"u": 1.0, "duration": 12.0, "dt": 0.2, "revolutions": 11.0, "surge": "free", "contact": "none"}
+    voyage = nw.simulate(tanker, 0.5, controller=Slowing(), **start)
+    fleet = nw.ensemble(tanker, y=[0.5, -0.2], controller=Slowing(), **start)
+    assert {5.0, 11.0} <= set(voyage["revolutions"])
+    assert float(fleet.u_end[0]) == pytest.approx(voyage.u[-1], rel=1e-9)
+    assert float(fleet.y_end[0]) == pytest.approx(voyage.y[-1], abs=1e-9)

@@ -55,7 +55,7 @@ AROUND = {"clear": True, "held": 0.5, "known": 0.5, "certain": 0.5, "rudder_like
 @pytest.mark.parametrize(
     ("here", "name"),
     [
-        ({"clear": False, "driven": False}, "ENGINE"), ({"clear": False, "clearance": math.nan}, "CHOKED"),
+        ({"clear": False, "clearance": math.nan}, "CHOKED"),
         ({"clear": False}, "AGROUND"), ({"held": 0.95}, "TESTS"), ({"known": 0.95}, "PILOT"),
         ({"certain": 0.95}, "KNOWLEDGE"), ({"rudder_likely": math.nan}, "NONE"),
         ({"rudder_likely": -0.31}, "RUDDER"), ({"rudder_likely": 0.3}, "UPSET"),

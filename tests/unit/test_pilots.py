@@ -243,7 +243,6 @@ class TestWords:
             ({"held": 0.96}, "the tests end"),
             ({"clear": False}, "the keel"),
             ({"clear": False, "clearance": math.nan}, "the canal chokes"),
-            ({"clear": False, "driven": False}, "the engine"),
         ],
     )  # fmt: skip
     def test_what_ends_it_is_named(self, told: dict, words: str) -> None:

@@ -79,7 +79,6 @@ class WeatherOptions:
 class CaseOptions:
     reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3
     keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None
-    most_revolutions: Annotated[float | None, "Limit of the engine [1/s], for a propeller."] = None
     samples: Annotated[int, "Number of samples."] = SAMPLES
     seed: Annotated[int, "Seed of the samples."] = 0
 

@@ -111,8 +111,7 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
         ends = u[first] - _half(u), u[last] + _half(u)
         axes.axhspan(*ends, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
     if not data["clear"].all():
-        engine = "" if data["driven"].all() else ", engine"
-        handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
+        handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label="keel or choked canal"))
     (port, starboard), (slow, fast) = envelope.walls, (u[0] - _half(u), u[-1] + _half(u))
     # Offsets and speeds that were not computed should not look unsafe.
     look: dict[str, Any] = {"facecolor": "0.92", "lw": 0, "zorder": 0.5}

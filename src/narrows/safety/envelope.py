@@ -1,6 +1,5 @@
 """The safe envelope: how fast, and how far off the centreline, a ship stays controllable."""
 
-import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -9,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, check_choice
-from narrows.control.steady_course import check_rudder, revolutions_ahead
+from narrows.base.errors import check_choice
+from narrows.control.steady_course import check_rudder
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.channel_rules import BANKS
@@ -24,9 +23,9 @@ from narrows.simulation.inputs import check_workers, finite_numbers
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = settings.RESERVE, keel: float | None = None,
-    most_revolutions: float | None = None, samples: int = settings.SAMPLES, seed: int = 0, walls: Walls | None = None,
-    bank: str = "steep", controller: str = "regulator", curvature: float = 0.0, current: float = 0.0,
-    workers: int | None = None, progress: bool = False,
+    samples: int = settings.SAMPLES, seed: int = 0, walls: Walls | None = None, bank: str = "steep",
+    controller: str = "regulator", curvature: float = 0.0, current: float = 0.0, workers: int | None = None,
+    progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find the speeds and offsets at which a ship stays controllable in its canal.
 
@@ -48,8 +47,6 @@ def safe_envelope(
         Initial deviations and gusts.
     reserve, keel : float [1], float [m], optional
         Share of the rudder left on the steady course; least clearance under the keel, default a twentieth of the draft.
-    most_revolutions : float [1/s], optional
-        Limit of the engine, for a model with a propeller: it limits the speed.
     samples, seed : int
         Number of samples of coefficients and disturbances; the answer names what they leave uncertain.
     walls : pair of float [m], optional
@@ -70,7 +67,7 @@ def safe_envelope(
     check_choice("controller", controller, PILOTS)
     request = envelope_request(
         model, y, u, keel=keel, walls=walls, disturbance=disturbance or Disturbance(), reserve=reserve,
-        most_revolutions=most_revolutions, bank=bank, pilot=controller,
+        bank=bank, pilot=controller,
         bend=Bend(**finite_numbers(curvature=curvature, current=current)),
     )  # fmt: skip
     under = keel_at(model, request.speeds)
@@ -92,18 +89,12 @@ def safe_envelope(
 
 
 def bounds_of(request: EnvelopeRequest, under: Keel) -> xr.Dataset:
-    """Return the clearance of the keel, where the engine reaches the revolutions, where all is clear, and the tests."""
-    model, speeds, most = request.model, request.speeds, request.most_revolutions
-    if most is not None and not model.terms.propelled:
-        raise InputError(f"most_revolutions = {most} 1/s, but this model has no terms of a propeller; leave it out")
-    if most is not None and not 0 < most < math.inf:
-        raise InputError(f"most_revolutions = {most} 1/s drive no ship; give a number over 0")
-    driven = np.ones(len(speeds), bool) if most is None else revolutions_ahead(model, speeds) <= most
+    """Return the clearance of the keel, where keel and canal are clear, and what the tests covered."""
+    model, speeds = request.model, request.speeds
     floating = (under.clearance >= request.clearance) | (model.configuration.canal.depth is None)
     return xr.Dataset({
         "clearance": ("u", under.clearance, {"units": "m"}),
-        "clear": ("u", floating & (speeds < under.choke) & driven),
-        "driven": ("u", driven),
+        "clear": ("u", floating & (speeds < under.choke)),
         "tested": (("y", "u"), data_coverage(model, request.offsets, speeds)),
     })  # fmt: skip
 

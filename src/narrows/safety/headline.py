@@ -143,13 +143,12 @@ def _sampling_doubt(data: xr.Dataset, share: float) -> list[str]:
 
 
 # Limits of the safe range, in words.
-CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
+CHOKED, AGROUND = "the canal chokes", "the keel"
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "the disturbance"
 KNOWLEDGE, PILOT, TESTS, RANGE = "uncertain coefficients", "the pilot", "the tests end", "no faster speed tried"
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
     AGROUND: "the water under the keel",
-    ENGINE: "the engine",
     NONE: "too little rudder",
     RUDDER: "the reserve of rudder",
     UPSET: "the disturbance, which not even a pilot with the true coefficients corrects",
@@ -162,8 +161,6 @@ AT_LENGTH = {
 
 def cause(here: xr.Dataset, share: float, limit: float) -> str:
     if not bool(here["clear"]):
-        if not bool(here.get("driven", True)):
-            return ENGINE
         return CHOKED if math.isnan(float(here["clearance"])) else AGROUND
     if float(here["held"]) >= share:
         return TESTS
@@ -178,7 +175,7 @@ def cause(here: xr.Dataset, share: float, limit: float) -> str:
 
 
 def safe_by(data: xr.Dataset, share: float, name: str = "held") -> np.ndarray:
-    """Return where a share of the cases is reached and keel, canal and engine allow it, (offsets, speeds)."""
+    """Return where a share of the cases is reached and keel and canal allow it, (offsets, speeds)."""
     return np.asarray(((data[name] >= share) & data["clear"]).transpose("y", "u").to_numpy())
 
 

@@ -231,7 +231,8 @@ def trials(
     # canal, and is back within half a beam of its line for the last three ship lengths of the trial. A propeller keeps
     # the revolutions of its speed straight ahead, and the speed follows. There are two pilots: one designed for the
     # best estimate of the coefficients, with its first tuning, and one with the drawn coefficients.
-    check_count("samples", samples)
+    check_count("samples", samples, 1)
+    check_count("seed", seed)
     if (points := samples * len(y) * len(u)) > MOST_TRIALS:
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
     thrown = disturbance.drawn(samples, seed)

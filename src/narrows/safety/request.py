@@ -64,12 +64,7 @@ class Disturbance(Aliased):
         return f"{' and on top '.join(filter(None, (steady, gust)))}, from either side;{begin}"
 
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
-        """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] and the wind's side [1].
-
-        Raises an InputError if the number of ``samples`` is under 1, or the ``seed`` is negative.
-        """
-        if samples < 1 or seed < 0:
-            raise InputError(f"samples = {samples} and seed = {seed}: give one sample at least, and a seed from 0")
+        """Draw ``samples`` by a ``seed``, along a dimension: psi [rad], y [m], Y [N], N [N m], the wind's side."""
         heading, offset, side = np.random.default_rng((seed, 1)).standard_normal((3, samples))
         gust = np.sign(side)
         psi, force = math.radians(self.heading_deg) * heading, self.gust * gust
@@ -120,7 +115,6 @@ class EnvelopeRequest:
     walls: Walls  # Positions where the keel meets the banks, to port and to starboard of the middle [m]
     disturbance: Disturbance  # Initial deviations and gusts
     reserve: float = RESERVE  # Share of the rudder left on the steady course [1]
-    most_revolutions: float | None = None  # Limit of the engine [1/s]
     bank: str = "steep"  # Kind of bank, for outside rules
     pilot: str = "regulator"  # Name of the tested pilot
     bend: Bend = STRAIGHT

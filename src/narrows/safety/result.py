@@ -42,7 +42,7 @@ class SafeEnvelope(BaseResult):
     #: best estimate; ``known``, held by that pilot or by one with the true coefficients. ``held_low`` and
     #: ``held_high``: the 95 % interval for the number of samples. ``certain``: share of the disturbances in which a
     #: pilot with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
-    #: ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Its attributes
+    #: ``clearance`` [m] under the keel, and ``clear``, True if keel and canal allow the speed. Its attributes
     #: are the assumptions, and numbers of ship, canal, tests and rules [SI].
     data: xr.Dataset
 
@@ -177,7 +177,7 @@ class SafeEnvelope(BaseResult):
         return _rows(columns | {"limited_by": self.limited_by()})
 
     def speed_rows(self) -> list[dict[str, Any]]:
-        """Return one row per speed [knots]: keel clearance [m], and whether keel, canal and engine allow the speed."""
+        """Return one row per speed [knots]: keel clearance [m], and whether keel and canal allow the speed."""
         columns = {"keel_clearance": self.data["clearance"], "keel_clear": self.data["clear"]}
         return _rows({"speed": self.data["u"] / KNOT, **columns})
 
@@ -241,9 +241,7 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> list[str]:
         )
     if not model.terms.propelled:
         return [*notes, "the speed is constant: the propeller's limit is ignored"]
-    engine = "without a limit of the engine: give its most revolutions"
-    if request.most_revolutions is not None:
-        engine = f"the engine makes up to {request.most_revolutions:g} revolutions a second"
+    engine = "give speeds that the engine reaches"
     return [*notes, f"the propeller keeps the revolutions of straight ahead, and the speed follows; {engine}"]
 
 
