@@ -22,8 +22,11 @@ from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.ship_log import VDR
 from narrows.logbook.steady_legs import usual_offsets
-from narrows.logbook.transits import TransitTwin, drawn_truth, transits_of
+from narrows.logbook.transits import TransitTwin
 from narrows.quantities.names import KNOT
+
+sys.path.append(str(Path(__file__).parent.parent / "tests"))
+from twins import drawn_truth, transits_of
 
 SPEED, MINUTES, TWINS = 8 * KNOT, 20.0, 80
 BANKS, HULL = ("Y_bank", "N_bank"), ("X_my", "N_jz", "Y_v", "N_v", "Y_r", "N_r")
@@ -34,7 +37,7 @@ CONDITIONS = nw.TransitConditions(wander=10.0)
 
 def safe_offset(model: nw.Model, u: float) -> float:
     """How far off the middle a quick safe envelope lets a ship go [m]."""
-    offsets = np.append(0.0, usual_offsets(model, model.configuration.ship.beam / 2))
+    offsets = np.append(0.0, usual_offsets(model))
     safe = nw.safe_envelope(model, offsets, np.array([u]), samples=200).by_model().to_numpy()[:, 0]
     return float(offsets[int(np.argmin(safe)) - 1]) if safe[0] and not safe.all() else float(offsets[-1] * safe[0])
 

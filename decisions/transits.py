@@ -22,12 +22,13 @@ from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
 from narrows.logbook.ship_log import AIS, RTK, VDR, SensorGrade
-from narrows.logbook.transits import SPEED, TransitTwin, drawn_truth, large_container_ship, transits_of
+from narrows.logbook.transits import TransitTwin
 from narrows.model.tables import table_named
 from narrows.waterway import Bank, Centreline
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 from logs import PassedTransit
+from twins import SPEED, drawn_truth, large_container_ship, transits_of
 
 MOST_DRAWN, MINUTES, OFF = 2000, 20.0, 5.0
 """Ships that are drawn at most; of a transit; how far off the middle forms of the bank are compared [m]."""

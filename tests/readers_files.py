@@ -9,11 +9,12 @@ import numpy as np
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.logbook.ship_log import sensor_grade
-from narrows.logbook.transits import TransitTwin, transits_of
+from narrows.logbook.transits import TransitTwin
 from narrows.model.tables import table_named
 from narrows.waterway.map_lines import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
 from tables import frame_of
+from twins import transits_of
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 DEPTH = "C0101A02"

@@ -15,7 +15,8 @@ from narrows.logbook.checking.faults import FaultTest, FaultTests
 from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.ship_log import VDR, sensor_grade
-from narrows.logbook.transits import SPEED, TransitTwin, large_container_ship, transits_of
+from narrows.logbook.transits import TransitTwin
+from twins import SPEED, large_container_ship, transits_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

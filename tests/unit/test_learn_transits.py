@@ -8,20 +8,15 @@ import pytest
 
 import narrows as nw
 from logs import PassedTransit
-from narrows.logbook.filtering.likelihood import search
+from narrows.logbook.filtering.likelihood import FIRST_PASSES, RecordLikelihood, search
 from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.logbook.filtering.record_grid import HELM_GAIN, first_guess, grid_of
+from narrows.logbook.learning.log_fit import forecast_errors
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.ship_log import AIS, VDR, SensorGrade
-from narrows.logbook.transits import (
-    SPEED,
-    TransitTwin,
-    drawn_truth,
-    large_container_ship,
-    recorded,
-    transits_of,
-)
+from narrows.logbook.transits import TransitTwin, recorded
 from narrows.waterway import Bank, Centreline
+from twins import CURRENT, SPEED, drawn_truth, large_container_ship, transits_of
 
 pytestmark = pytest.mark.slow
 MINUTES = 20.0
@@ -98,10 +93,13 @@ def test_a_current_along_the_canal_is_not_taken_for_speed() -> None:
         current, through_water = own.zeros["current_x"], record["u"].values.mean() - own.zeros["u_error"]
         assert through_water + current == pytest.approx(over_ground, abs=0.01)
         assert abs(current - (over_ground - SPEED)) < 0.5 * abs(over_ground - SPEED)
-        assert own.forecasts is not None
-        predicted = own.forecasts[1]
-        off = (predicted.states[predicted.ends] - predicted.likely)[:, 0]
-        assert np.abs(off).max() < 40.0  # of some 1400 m
+    setup = log_problem(ship(), twin()[1], "vdr")
+    for grid in setup:
+        unknowns = np.zeros(len(setup.problem.precision))
+        path = RecordLikelihood(setup.problem, grid).smoothed(unknowns, None, FIRST_PASSES)
+        assert path is not None
+        known = setup.problem, unknowns[: setup.problem.count], grid, path, setup.problem.model
+        assert np.abs(forecast_errors(*known)[:, 0]).max() < 40.0  # of some 1400 m
 
 
 def test_in_bends_the_yaw_rate_counts_the_turning_of_the_line() -> None:
@@ -176,7 +174,7 @@ def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:
 def test_a_log_without_the_rudder_cannot_tell_and_says_why() -> None:
     voyage = TransitTwin(learned()[0], SPEED, 600.0).sailed(1)
     with pytest.raises(nw.InputError, match="has no rudder angle: bank and helm cannot be separated"):
-        nw.learn(ship(), [recorded("ais", voyage, AIS, 1)], sensors="ais")
+        nw.learn(ship(), [recorded("ais", voyage, AIS, 1, CURRENT)], sensors="ais")
 
 
 def test_twins_are_recorded_as_their_grade_says() -> None:

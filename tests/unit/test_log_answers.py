@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from narrows.logbook.learned_coefficients import LearnedCoefficient
-from narrows.logbook.learning.log_fit import Forecast, Gusts, LogFit, RecordAnswer, SignalNoise, nomoto_errors
+from narrows.logbook.learning.log_fit import Gusts, LogFit, RecordAnswer, SignalNoise, nomoto_errors, rms_of
 
 DEGREE = math.pi / 180
 
@@ -79,13 +79,10 @@ def test_errors_of_records_are_joined_as_root_mean_squares() -> None:
     assert "does not improve" in fit(records=(record((0.1, 0.1)), record((0.1, 0.1)))).summary()
 
 
-def test_a_forecast_is_judged_at_the_ends_of_its_pieces() -> None:
-    states = np.zeros((6, 6))
-    states[2], states[5] = [0, 3, 0.1, 0, 0, 0.01], [0, -4, 0.3, 0, 0, -0.02]
-    one = Forecast(np.arange(6.0), states, np.array([2, 5]), np.zeros((2, 6)), np.zeros(6))
-    assert one.rmse == pytest.approx({"y": math.sqrt(12.5), "psi": math.sqrt(0.05), "r": math.sqrt(0.00025)})
-    none = Forecast(np.zeros(0), np.zeros((0, 6)), np.zeros(0, int), np.zeros((0, 6)), np.zeros(0))
-    assert np.isnan(list(none.rmse.values())).all()
+def test_errors_of_forecasts_are_root_mean_squares_of_offset_heading_and_yaw_rate() -> None:
+    errors = np.array([[0, 3, 0.1, 0, 0, 0.01], [0, -4, 0.3, 0, 0, -0.02]])
+    assert rms_of(errors) == pytest.approx({"y": math.sqrt(12.5), "psi": math.sqrt(0.05), "r": math.sqrt(0.00025)})
+    assert np.isnan(list(rms_of(np.zeros((0, 6))).values())).all()
 
 
 def steered(turn: float, damping: float, seed: int, error: float = 0.0) -> SimpleNamespace:

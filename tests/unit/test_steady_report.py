@@ -79,7 +79,7 @@ def test_the_verb_leaves_with_one_where_no_leg_is_allowed(cli, tmp_path: Path) -
     [
         ((), "exactly one of"),
         (("--steady", "held.csv", "--plan-steady", "page.html"), "exactly one of"),
-        (("--plan-steady", "page.html", "-o", "new.toml"), "--output goes with LOG or --steady or --demo"),
+        (("--plan-steady", "page.html", "-o", "new.toml"), "--output goes with LOG or --steady"),
         (("--plan-steady", "page.txt"), "cannot write a txt file"),
         (("--steady", "none.csv"), "no such file"),
     ],

@@ -15,11 +15,11 @@ from narrows.logbook.transits import (
     TransitConditions,
     TransitPilot,
     TransitTwin,
-    drawn_truth,
     gust_push,
     recorded,
     wandering,
 )
+from twins import CURRENT, drawn_truth
 
 DEGREE, KNOT = math.pi / 180, 1852 / 3600
 DENSITY = 1.225  # of air [kg/m3]
@@ -97,7 +97,7 @@ def exact(noise: float = 1e-9, **errors: float) -> nw.SensorGrade:
 
 def test_a_record_without_errors_is_the_voyage_in_a_current() -> None:
     """The current is along the canal: the place over ground drifts by it, velocities by its parts along and across."""
-    sailed, told = voyage(), recorded("A", voyage(), exact(period=2.0), 5)
+    sailed, told = voyage(), recorded("A", voyage(), exact(period=2.0), 5, CURRENT)
     t = told["x"].t
     np.testing.assert_allclose(t, np.arange(0.0, 400.0, 2.0))
     drift = (told["x"].values[1:] - 4.0 * t[1:]) / t[1:]

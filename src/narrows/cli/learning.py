@@ -1,6 +1,5 @@
 """``learn``: improve a model from the ship's own records."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,11 +11,11 @@ from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 
 # Parts of the JSON output; null if not requested.
-PARTS = ("log", "truth", "steady", "plan", "information")
+PARTS = ("log", "steady", "plan", "information")
 
 
 LOGS = "The ship's own logs: CSV, Parquet, NMEA 0183."
-OWN_SIZE = "Model file at the ship's own size, with a rudder and the covariance of its fit; none for --demo."
+OWN_SIZE = "Model file at the ship's own size, with a rudder and the covariance of its fit."
 
 
 @dataclass(frozen=True)
@@ -26,7 +25,6 @@ class LogOptions:
     spread: Annotated[float | None, "Relative standard deviation of coefficients without a fit."] = None
     mapping: Annotated[Path | None, "TOML of the log's names, units, signs and delays; see docs/ship-log.md."] = None
     unchecked: Annotated[bool, "Fit although the log's signs, units or clock look wrong."] = False
-    demo: Annotated[bool, "Fit simulated twins of ten transits of a 400 m ship; compare with the truth."] = False
 
 
 PILOT_PAGE = cli.Option(help="Plan steady legs and write the pilot's page: .html.", check=cli.named(cli.PAGES))
@@ -43,45 +41,40 @@ class LegOptions:
 
 @cli.verb(
     "narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html",
-    needs={"waterway": "logs predict_information", "output report": "logs steady demo"},
-    one=("logs steady plan_steady predict_information demo", "model demo"),
+    needs={"waterway": "logs predict_information", "output report": "logs steady"},
+    one=("logs steady plan_steady predict_information",),
 )
 def learn(
     logged: LogOptions,
     legs: LegOptions,
     delivery: cli.ModelDelivery,
+    model: Annotated[str, cli.Argument(help=OWN_SIZE)],
     predict_information: Annotated[str | None, "Predict errors of bank coefficients; sensors: rtk or vdr."] = None,
     waterway: cli.WaterwayFile = None,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
-    model: Annotated[str | None, cli.Argument(help=OWN_SIZE, metavar="[MODEL]")] = None,
     logs: Annotated[list[Path] | None, cli.Argument(help=LOGS, metavar="[LOG]...")] = None,
 ) -> None:
     """Learn coefficients from a ship's log or steady legs.
 
     Steady legs are held to one side of the canal and then to the other.
     """
-    if logged.demo:
-        from narrows.logbook.ship_log import sensor_grade
-        from narrows.logbook.transits import demonstrated_log
-
-        prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
-        found = _deliver(nw.learn(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
-    elif logs:
-        found = _learn(model_named(model or ""), logs, logged, waterway, delivery)
+    ship = model_named(model)
+    if logs:
+        found = _learn(ship, logs, logged, waterway, delivery)
     elif legs.steady is not None:
-        found = _learn_steady(model_named(model or ""), legs, legs.steady, delivery)
+        found = _learn_steady(ship, legs, legs.steady, delivery)
     elif legs.plan_steady is not None:
-        found = _plan(model_named(model or ""), legs, legs.plan_steady, speed, delivery.json)
+        found = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
     else:
-        found = _predict_information(
-            model_named(model or ""), predict_information or "", waterway, speed, delivery.json
-        )
+        found = _predict_information(ship, predict_information or "", waterway, speed, delivery.json)
     raise SystemExit(int(not found))
 
 
 def _learn(
     model: "nw.Model", logs: list[Path], logged: LogOptions, waterway: Path | None, delivery: cli.ModelDelivery
 ) -> bool:
+    from narrows.report.learning_pages import print_learned, write_log_report
+
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
@@ -97,16 +90,10 @@ def _learn(
             raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
         doubts = findings.doubts
     fit = nw.learn(model, log, free=logged.free, sensors=logged.sensors, spread=logged.spread)
-    return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
-
-
-def _deliver(fit: "nw.LogFit", delivery: cli.ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
-    from narrows.report.learning_pages import print_learned, write_log_report
-
+    fit = replace(fit, about=(*doubts, *fit.about))
     delivery.give(
-        fit, lambda fit: print_learned(fit, "estimate from the log", truth), save=fit.model.save,
-        report=lambda path: write_log_report(fit, path, truth),
-        values=lambda: _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth)),
+        fit, lambda fit: print_learned(fit, "estimate from the log"), save=fit.model.save,
+        report=lambda path: write_log_report(fit, path), values=lambda: _told(fit, log=fit.to_dict()),
     )  # fmt: skip
     return fit.informative
 

@@ -64,5 +64,3 @@ ORDER_INTERVAL = 4.0  # Longest time between two helm orders [s]
 ORDERS_A_LENGTH = 20  # Fewest helm orders in a ship length: a small model needs more in a second
 PUSH_STEP = 1.0  # Longest step of varying forces and of the voyage [s]
 AIM_STEP = 10.0  # Longest piece of an aim [s]
-CURRENT = 0.3  # Standard deviation of the current along the canal [m/s]
-MOST_DRAWS = 200  # Most draws of coefficients until one is within the bounds

@@ -1,4 +1,4 @@
-"""Transits before they are sailed: the information that they will give, and twins with known truth."""
+"""Transits before they are sailed: the information that they will give."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,6 @@ from narrows.base.progress import bar, is_shown
 from narrows.base.results import Tabulated
 from narrows.control.regulator import Regulator, regulator
 from narrows.control.steady_course import check_rudder, steady_course
-from narrows.identification.fitting import bundled_ship
 from narrows.logbook import settings
 from narrows.logbook.filtering.likelihood import FIRST_PASSES, scored
 from narrows.logbook.filtering.log_problem import SWAY, YAW
@@ -27,7 +26,6 @@ from narrows.logbook.steady_readings import BeamWind, steady_push
 from narrows.model.model import Model
 from narrows.quantities.names import DEGREE, KNOT
 from narrows.simulation.controllers import Order, VoyageState
-from narrows.simulation.grid import correlated
 from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
@@ -313,7 +311,7 @@ class TransitTwin:
         return {name: list(zip(times.tolist(), pushes[:, i].tolist(), strict=True)) for i, name in enumerate("YN")}
 
 
-def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = settings.CURRENT) -> ShipRecord:
+def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = 0.0) -> ShipRecord:
     draw = np.random.default_rng((seed, 13))
     drift, t, psi = current * float(draw.standard_normal()), voyage.t, voyage.psi
     ahead, aside = voyage.u + drift * np.cos(psi), voyage.v - drift * np.sin(psi)
@@ -329,38 +327,3 @@ def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: 
             noise = error.noise * draw.standard_normal(len(times)) + error.zero * draw.standard_normal() + wander
             signals[own] = Signal(times, np.interp(times, t, columns[own]) + noise)
     return ShipRecord(name, signals)
-
-
-def drawn_truth(model: Model, seed: int, **held: float) -> Model:
-    names = model.terms.names
-    mean = np.array([model.coefficients[name] for name in names])
-    bounds = np.array([term.bound for term in model.terms.terms])
-    for values in mean + correlated(np.asarray(model.covariance), settings.MOST_DRAWS, (seed, 17)):
-        if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
-            return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
-    raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
-
-
-LENGTH, WIDTH = 399.94, 205.0  # Dimensions of the ship and the canal [m], as in the case of the Suez section
-SPEED = 8 * KNOT
-
-
-def large_container_ship() -> Model:
-    return bundled_ship(LENGTH, WIDTH)
-
-
-def demonstrated_log(sensors: SensorGrade) -> tuple[Model, Model, ShipLog]:
-    """Return a ship as its captive tests give it, the true ship, and the log of ten of its transits of 20 minutes."""
-    prior, seed = large_container_ship(), 100
-    truth = drawn_truth(prior, seed)
-    return prior, truth, transits_of(TransitTwin(truth, SPEED, 1200.0), sensors, 10, seed)
-
-
-def transits_of(twin: TransitTwin, sensors: SensorGrade, transits: int, seed: int) -> ShipLog:
-    records, current = list[ShipRecord](), 0.0 if twin.waterway else settings.CURRENT  # A waterway has its own.
-    with bar(transits, is_shown(), "transits") as done:
-        for number in range(transits):
-            own = 1000 * seed + number
-            records.append(recorded(f"transit {number + 1}", twin.sailed(own), sensors, own, current))
-            done(1)
-    return ShipLog(tuple(records), twin.waterway)

@@ -14,7 +14,7 @@ from narrows.base.errors import InputError
 from narrows.base.results import interval, with_error
 from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
-from narrows.logbook.learning.log_fit import LogFit, RecordAnswer
+from narrows.logbook.learning.log_fit import LogFit
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
 from narrows.logbook.steady_readings import SHARED
@@ -31,9 +31,8 @@ DEGREES = 180 / np.pi
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", DEGREES), ("r", "yaw rate [deg/s]", DEGREES))
 
 
-def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
+def write_log_report(fit: LogFit, path: str | Path) -> None:
     caption = "Coefficients after the log, in standard deviations before it, with 95 % intervals."
-    beside = "Measured, and predicted every 3.5 ship lengths with the recorded rudder."
     # Coefficients whose records are compared: those of the bank, or those with the best information.
     known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
     informed = [c.name for c in known if c.from_bank]
@@ -49,16 +48,14 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
     ]  # fmt: skip
     write_page(
         path, "log_fit.html.j2", title=f"{fit.prior.configuration.ship.name or 'A ship'}: learned from its own log",
-        said=fit.summary().splitlines(), learned=learned_rows(fit.coefficients, truth), twin=truth is not None,
+        said=fit.summary().splitlines(), learned=learned_rows(fit.coefficients),
         figure=figure(log_fit_figure(fit), caption), missed_heads=[words for _, words, _ in MISSED], records=records,
         informed=informed, notes=[note for note in fit.notes if note != ON_TWINS],
-        forecasts=[figure(forecast_figure(record), beside) for record in fit.records if record.forecasts],
     )  # fmt: skip
 
 
 # Largest number of drawn coefficients.
 MOST_ROWS = 24
-BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
 
 
 def log_fit_figure(fit: LogFit) -> Figure:
@@ -71,38 +68,6 @@ def log_fit_figure(fit: LogFit) -> Figure:
     panel.set(xlabel="change, in prior standard deviations (grey: 95 % before)")
     panel.set_yticks(range(len(known)), [c.name for c in known])
     panel.invert_yaxis()
-    return figure
-
-
-# Margin around measured values, relative to their extent.
-ROOM_ACROSS = 0.6
-# States of a forecast by panel, with place, factor and label.
-PREDICTED = (
-    ("r", 5, DEGREES, "yaw rate [deg/s]"), ("psi", 2, DEGREES, "heading [deg]"), ("y", 1, 1.0, "y [m]"),
-)  # fmt: skip
-
-
-def forecast_figure(record: RecordAnswer) -> Figure:
-    """Draw rudder, yaw rate, heading and offset of a record with predictions every 3.5 ship lengths."""
-    assert record.forecasts is not None
-    figure, axes = panels(4, 1, 6.0, sharex=True)
-    last = record.forecasts[1]
-    axes[0, 0].plot(last.t, np.degrees(last.rudder), color=BLACK, lw=0.8)
-    axes[0, 0].set(ylabel="rudder [deg]", title=record.name, xlim=(last.t[0], last.t[-1]))
-    for panel, (name, place, factor, label) in zip(axes[1:, 0], PREDICTED, strict=True):
-        if name in record.measured:
-            t, values = record.measured[name]
-            panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
-            room = ROOM_ACROSS * factor * float(np.ptp(values)) + 1e-9  # A prediction that diverges hides no other.
-            panel.set_ylim(factor * float(values.min()) - room, factor * float(values.max()) + room)
-        for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
-            # A line of many pieces has a gap where a prediction ends.
-            t, values = (np.insert(column, predicted.ends[:-1] + 1, np.nan)
-                         for column in (predicted.t, factor * predicted.states[:, place]))  # fmt: skip
-            panel.plot(t, values, color=colour, lw=1.0, label=words)
-        panel.set(ylabel=label)
-    axes[-1, 0].set_xlabel("time [s]")
-    legend_below(figure, axes[-1, 0].get_legend_handles_labels()[0])
     return figure
 
 
@@ -204,15 +169,12 @@ LEARNED = {
 }  # fmt: skip
 
 
-def learned_rows(
-    coefficients: Mapping[str, LearnedCoefficient], truth: Mapping[str, float] | None = None
-) -> list[dict[str, Any]]:
+def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[dict[str, Any]]:
     learned = sorted((c for c in coefficients.values() if c.status != PRIOR), key=lambda c: c.std_ratio)
     return [
         {
             "name": c.name, "before": with_error(c.prior, c.prior_std), "after": with_error(c.value, c.std),
             "interval": interval(c.interval, c.std), "unit": c.unit, "verdict": c.verdict,
-            "truth": truth[c.name] if truth else None,
         }
         for c in learned
     ]  # fmt: skip
@@ -279,9 +241,9 @@ def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
     return np.asarray(np.quantile(np.where(np.isnan(angles), beyond, angles), BAND, axis=1, method="higher"))
 
 
-def print_learned(fit: LogFit | SteadyFit, verdict: str, truth: Mapping[str, float] | None = None) -> None:
-    columns = {**LEARNED, verdict: "{verdict}", **({"truth": "{truth:.3g}"} if truth else {})}
-    print_result(fit, table_of(columns, learned_rows(fit.coefficients, truth), left=("", "unit", verdict)))
+def print_learned(fit: LogFit | SteadyFit, verdict: str) -> None:
+    columns = {**LEARNED, verdict: "{verdict}"}
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", verdict)))
 
 
 LEGS = {

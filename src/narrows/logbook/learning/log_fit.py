@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +16,6 @@ from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER
 from narrows.logbook.learned_coefficients import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
 
-MOST_DRAWN = 4  # Most records whose forecasts are kept for figures
 HORIZON = 3.5  # Length of a forecast [ship lengths]
 JUDGED = ("y", "psi", "r")  # States whose forecasts are judged
 MOST_COMPARED = 50  # Most records for predictions of whole records and Nomoto models
@@ -27,23 +25,6 @@ START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
 USUAL_TURN = 0.5
 # Errors of a heading [rad] and of the yaw rate at the start [rad/s]: weights of a fitted start.
 READING, START_RATE = 0.01, 0.01
-
-
-@dataclass(frozen=True)
-class Forecast:
-    t: np.ndarray  # (n,) Times of all pieces [s]; the end of one and the start of the next have the same time
-    states: np.ndarray  # (n, 6) Predicted x, y, psi, u, v, r
-    ends: np.ndarray  # (pieces,) Index of the end of each piece
-    likely: np.ndarray  # (pieces, 6) Smoothed states of the record at these ends
-    rudder: np.ndarray  # (n,) Recorded rudder plus its zero error [rad]
-
-    @property
-    def rmse(self) -> dict[str, float]:
-        """Root mean square error of the ends of pieces, against the smoothed states."""
-        with np.errstate(all="ignore"):  # A diverged forecast may be infinite.
-            off = self.states[self.ends] - self.likely
-            root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
-        return {name: float(root[STATES.index(name)]) for name in JUDGED}
 
 
 @dataclass(frozen=True)
@@ -58,21 +39,18 @@ class RecordAnswer(Aliased):
     # Root mean square heading errors [rad] of predictions of the whole record from its rudder, with a fitted start: by
     # the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those; empty with gusts
     whole: Mapping[str, float] = field(default_factory=dict)
-    forecasts: tuple[Forecast, Forecast] | None = None  # By these two models, if kept for figures
-    # Times [s] and readings of x, y, psi and r, if forecasts are kept
-    measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
 def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
     whole, scales = not found.problem.model.gusts and not found.interrupted, found.problem.scales
     nomoto = nomoto_errors(grids, scales[0] / scales[3]) if whole and len(found.records) <= MOST_COMPARED else []
     return tuple(
-        _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if nomoto else None)
+        _answer(found, grid, one, nomoto[number] if nomoto else None)
         for number, (grid, one) in enumerate(zip(grids, found.records, strict=False))
     )
 
 
-def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
+def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, nomoto: float | None) -> RecordAnswer:
     problem, prior, count = found.problem, found.problem.prior, found.problem.count
     after = problem.covariance(found.information)
     without = problem.covariance(found.information - one.information)
@@ -82,29 +60,30 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     assert path is not None
     before_it = np.zeros(count)  # Prior mean; also the estimate without the only record
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
-    model = problem.model_at(found.unknowns)
-    both = forecast(problem, before_it, grid, path, model), forecast(problem, without_it, grid, path, model)
-    before, later = (each.rmse for each in both)
-    ends = {"before": before_it, "after": without_it}
-    heading = {name: whole_record_error(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
+    model, starts = problem.model_at(found.unknowns), {"before": before_it, "after": without_it}
+    before, later = (rms_of(forecast_errors(problem, at, grid, path, model)) for at in starts.values())
+    heading = {name: whole_record_error(problem, at, grid, path) for name, at in starts.items() if nomoto is not None}
     zeros = {
         process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
         if np.isinf(process.memory) and not process.name.startswith(HELM)
     }  # fmt: skip
-    read = {name: grid.readings[name] for name in ("x", *JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), zeros,
-        dict(zip(prior.names, gone.tolist(), strict=True)),
-        {name: (before[name], later[name]) for name in JUDGED},
-        heading if nomoto is None else heading | {"nomoto": nomoto}, both if drawn else None,
-        {name: (grid.times_of(signal), signal.values) for name, signal in read.items()},
+        dict(zip(prior.names, gone.tolist(), strict=True)), {name: (before[name], later[name]) for name in JUDGED},
+        heading if nomoto is None else heading | {"nomoto": nomoto},
     )  # fmt: skip
 
 
-def forecast(
+def rms_of(errors: np.ndarray) -> dict[str, float]:
+    with np.errstate(all="ignore"):  # A diverged forecast may be infinite.
+        root = np.sqrt(np.mean(errors**2, axis=0)) if len(errors) else np.full(6, np.nan)
+    return {name: float(root[STATES.index(name)]) for name in JUDGED}
+
+
+def forecast_errors(
     problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath, model: StochasticModel
-) -> Forecast:
-    """Return forecasts of a record from smoothed states, without its gusts, at scaled coefficients (p,)."""
+) -> np.ndarray:
+    """Return the errors of forecasts from smoothed states, without gusts, at scaled coefficients (p,); (pieces, 6)."""
     reach = HORIZON * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
     every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
@@ -119,13 +98,10 @@ def forecast(
         states, _ = motion.sailed(
             path.states[begun[:-1]], pushes, begun, grid.times, grid.positions, offsets, known[CURRENTS[0]]
         )
-    nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(begun)])
-    pieces = np.repeat(grid.times[begun[:-1]], every + 1)
+        off = states[every :: every + 1] - path.states[begun[1:]]
     if CURRENT not in problem.motion.directions:
-        states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[name] for name in CURRENTS])
-    rudder = grid.positions.get(RUDDER, np.zeros(len(grid.times)))[nodes] + known[OFFSET(RUDDER)]
-    ends = begun[1:] + np.arange(len(begun) - 1)
-    return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
+        off[:, :2] += every * grid.step * np.array([known[name] for name in CURRENTS])
+    return np.asarray(off)
 
 
 def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:  # [rad]
