@@ -84,7 +84,7 @@ newest-whole:
 
 # Needs uv; writes the locked requirements anew.
 # Every extra but fmu: its compiler is 80 MB, and the tests make do with the machine's own.
-EXTRAS := $(addprefix --extra ,charts cluster compiled control excel monitor nmea parquet)
+EXTRAS := $(addprefix --extra ,charts compiled control excel monitor nmea parquet)
 
 lock:
 	uv pip compile --quiet --universal --python-version 3.11 --no-emit-index-url --generate-hashes --no-header \

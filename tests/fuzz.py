@@ -317,7 +317,7 @@ class Doors:
         nw.simulate(chance.choice([DTC, DTC, KVLCC2]), **{"duration": 0.05, **given(f"{STARTS} at", chance)})
 
     def ensemble(self, chance: random.Random) -> None:
-        more = "samples seed workers client store"
+        more = "samples seed workers"
         nw.ensemble(DTC, **{"duration": 0.05, **given(f"{STARTS} {VARIED} {more}", chance)})
 
     def identify(self, chance: random.Random) -> None:

@@ -206,7 +206,7 @@ class Table:
         run = {
             "model": steered(), "duration": 5.0, "dt": 0.5, "samples": under(3, model=uncertain()),
             "seed": under(1, model=uncertain(), samples=3), **CHOICES, "workers": refused(-1),
-            "progress": shown(True), "store": refused(self.ship), "client": refused(object()),
+            "progress": shown(True),
             "waterway": under(waterway_for("paper"), x=3.0), "controller": under(law, model=steered()),
             "hold": under(0.2, model=steered()), **VARIED,
         }  # fmt: skip

@@ -213,24 +213,6 @@ def test_columns_of_one_name_in_matlab_are_refused() -> None:
     assert {"column5_deg", "column"} <= set(loadmat(BytesIO(matlab_of({"5_deg": [1.0], "ψ": [2.0]}))))
 
 
-def test_a_zarr_folder_whose_successor_fails_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The second of two moves fails: the old folder is back."""
-    pytest.importorskip("zarr")
-    old, path, moves = os.replace, tmp_path / "fleet.zarr", iter(range(9))
-    save_dataset(xr.Dataset({"u": ("ship", [0.5])}), path)
-
-    def failing(source: str, target: str) -> None:
-        if next(moves) == 1:
-            raise OSError(28, "No space left on device")
-        old(source, target)
-
-    monkeypatch.setattr("narrows.base.files.os.replace", failing)
-    with pytest.raises(nw.InputError, match="No space left"):
-        save_dataset(xr.Dataset({"u": ("ship", [0.9])}), path)
-    assert float(xr.open_zarr(path, consolidated=False).u[0]) == 0.5
-    assert list(tmp_path.iterdir()) == [path]
-
-
 def test_a_name_as_long_as_names_may_be(tmp_path: Path) -> None:
     write_whole(tmp_path / ("x" * 255), "new")
     assert (tmp_path / ("x" * 255)).read_text() == "new"
@@ -242,11 +224,11 @@ def test_streams_are_told_from_files(tmp_path: Path) -> None:
     assert [is_stream(path) for path in (tmp_path, tmp_path / "file", tmp_path / "absent", "\0")] == [False] * 4
 
 
-ELSEWHERE = {"assembly.py", "cache.py", "fmu.py", "ship_files.py", "grid.py"}
+ELSEWHERE = {"assembly.py", "cache.py", "fmu.py", "ship_files.py"}
 """Writers of what no user names a file for: the cache, the folders of stores, an archive in memory,
 sources that a compiler is given."""
 WRITING = re.compile(
-    r"\.write_(text|bytes)\(|(?<!def )\bto_(netcdf|csv|json|parquet|zarr|html)\([^)]*path|open\([^)]*[\"'][wax]b?[\"']"
+    r"\.write_(text|bytes)\(|(?<!def )\bto_(netcdf|csv|json|parquet|html)\([^)]*path|open\([^)]*[\"'][wax]b?[\"']"
 )
 
 

@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 import pandas as pd
@@ -11,7 +10,6 @@ import xarray as xr
 from scipy.io import loadmat
 
 import narrows as nw
-from narrows.base.files import save_dataset
 
 DTC = "mikkelsen2025_dtc"
 VOYAGE = ("simulate", DTC, "--y", "0.5", "--duration", "20")
@@ -41,14 +39,12 @@ def read(path: Path) -> np.ndarray:
     """The offsets in a file, whatever its form."""
     if path.suffix == ".nc":
         return xr.load_dataset(path, engine="scipy")["y"].to_numpy()
-    if path.suffix == ".zarr":
-        return xr.open_zarr(path, consolidated=False)["y"].to_numpy()
     if path.suffix == ".mat":
         return loadmat(path)["y"].ravel()
     return (pd.read_csv(path) if path.suffix == ".csv" else pd.read_parquet(path))["y"].to_numpy()
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv", ".parquet", ".mat"])
+@pytest.mark.parametrize("suffix", [".nc", ".csv", ".parquet", ".mat"])
 def test_a_voyage_in_every_form(suffix: str, tmp_path: Path, cli) -> None:
     path = tmp_path / f"v{suffix}"
     for _ in range(2):  # What is there is replaced.
@@ -68,7 +64,7 @@ def test_a_voyage_as_json_holds_how_it_ended_and_the_voyage(tmp_path: Path, cli)
     np.testing.assert_allclose(told["data"]["variables"]["y"]["values"], voyage.y, rtol=1e-12)
 
 
-@pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv", ".parquet", ".mat", ".json"])
+@pytest.mark.parametrize("suffix", [".nc", ".csv", ".parquet", ".mat", ".json"])
 def test_a_map_in_every_form(suffix: str, tmp_path: Path, cli) -> None:
     path = tmp_path / f"m{suffix}"
     code, out, _ = cli(*MAP, "-o", path)
@@ -99,7 +95,7 @@ def test_caveats_travel_with_the_file(what: str, tmp_path: Path, cli) -> None:
 
 def test_a_track_on_the_map(bend: Path, tmp_path: Path, cli) -> None:
     arguments = (*VOYAGE, "--waterway", bend, "--x", "2")
-    for suffix in (".geojson", ".kml", ".csv"):
+    for suffix in (".geojson", ".csv"):
         assert cli(*arguments, "-o", tmp_path / f"v{suffix}")[0] == 0
     frame = pd.read_csv(tmp_path / "v.csv")
     line, end = json.loads((tmp_path / "v.geojson").read_text())["features"]
@@ -107,9 +103,6 @@ def test_a_track_on_the_map(bend: Path, tmp_path: Path, cli) -> None:
     np.testing.assert_allclose(points, frame[["longitude", "latitude"]], atol=1e-8)
     assert end["geometry"]["coordinates"] == points[-1].tolist()
     assert len(line["properties"]["t"]) == len(line["properties"]["heading_deg"]) == len(points)
-    marks = ElementTree.parse(tmp_path / "v.kml").getroot().findall(".//{*}coordinates")
-    assert len(marks[0].text.split()) == len(points)
-    assert marks[1].text == ",".join(map(str, points[-1]))
 
 
 def test_a_track_is_where_the_waterway_says(bend: Path) -> None:
@@ -122,14 +115,14 @@ def test_a_track_is_where_the_waterway_says(bend: Path) -> None:
 
 
 def test_a_track_needs_a_place_on_earth(tmp_path: Path, cli) -> None:
-    code, _, err = cli(*VOYAGE, "-o", tmp_path / "v.kml")
+    code, _, err = cli(*VOYAGE, "-o", tmp_path / "v.geojson")
     assert code == 2
     assert "needs a waterway with a position on earth" in err
     assert "latitude" not in nw.simulate(nw.published(DTC), duration=1.0).dataset()
 
 
 REFUSED = {
-    "a voyage": ((*VOYAGE, "-o"), "v.xls", "cannot write a xls file here; name it .nc, .zarr, .csv"),
+    "a voyage": ((*VOYAGE, "-o"), "v.xls", "cannot write a xls file here; name it .nc, .csv"),
     "a voyage without a suffix": ((*VOYAGE, "-o"), "v", "cannot write a nameless file here"),
     "a map": ((*MAP, "-o"), "m.geojson", "cannot write a geojson file here"),
     "a chart": ((*MAP, "--plot"), "m.gif", "name it .png, .svg, .pdf"),
@@ -149,14 +142,6 @@ def test_other_names_are_refused_before_anything_is_done(case: str, tmp_path: Pa
     assert (code, out) == (2, "")
     assert said in err
     assert not list(tmp_path.iterdir())
-
-
-def test_what_is_no_zarr_is_not_replaced(tmp_path: Path) -> None:
-    (tmp_path / "m.zarr").mkdir()
-    (tmp_path / "m.zarr" / "thesis.txt").write_text("mine")
-    with pytest.raises(nw.InputError, match="exists and is not a Zarr folder"):
-        save_dataset(nw.ensemble(nw.published(DTC), y=[0.5]), tmp_path / "m.zarr")
-    assert (tmp_path / "m.zarr" / "thesis.txt").exists()
 
 
 def test_trials_and_explanations_go_into_tables(ship_file: Path, tmp_path: Path, cli) -> None:

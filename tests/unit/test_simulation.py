@@ -179,7 +179,6 @@ def test_starts_on_the_bank_end_there_and_others_go_on(dtc: nw.Model) -> None:
         ({"yy": 1.0}, "cannot vary 'yy'"),
         ({"samples": 5}, "no covariance"),
         ({"contact": "bow"}, "contact = 'bow'"),
-        ({"client": object()}, "store"),
     ],
 )
 def test_bad_ensembles_are_refused_before_anything_runs(dtc: nw.Model, vary: dict, words: str) -> None:

@@ -4,7 +4,6 @@ import json
 import math
 import os
 import re
-import shutil
 import stat
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -115,30 +114,6 @@ def matlab_of(columns: Mapping[str, Any]) -> bytes:
     return bytes(memory.getvalue())
 
 
-def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
-    """Write a dataset as a Zarr folder, whole or not at all."""
-    target = Path(path)
-    if target.exists() and not (target / "zarr.json").exists():
-        raise InputError(f"{path}: exists and is not a Zarr folder; choose another name, or remove it")
-    temporary, old = (target.parent / f".narrows-{uuid4().hex}" for _ in range(2))
-    try:
-        with needs("cluster", f"{path}: Zarr"):
-            import zarr  # noqa: F401  # xarray needs it
-        dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=3)
-        if target.exists():
-            os.replace(target, old)
-        os.replace(temporary, target)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{path}: Zarr does not hold these labels ({reason(error)}); give others") from None
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({reason(error)}); check its folder and the disk") from None
-    finally:  # After an interrupt too
-        if old.exists() and not target.exists():
-            os.replace(old, target)
-        for folder in (temporary, old):
-            shutil.rmtree(folder, ignore_errors=True)
-
-
 def picture_of(figure: "Figure", suffix: str) -> bytes:
     memory = BytesIO()
     figure.savefig(memory, format=suffix[1:], dpi=150)
@@ -168,12 +143,12 @@ def _replace(path: Path, data: bytes) -> None:
         raise
 
 
-# Makes a file's content, or writes a folder itself.
+# Makes a file's content, or writes the file itself.
 Form = Callable[[], str | bytes | None]
 # Returns the descriptions of a table, by name.
 Words = Callable[[], dict[str, str]]
 # Suffixes by the libraries' names of formats, as in ``to_netcdf``.
-FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
+FORMS = {"netcdf": ".nc", "parquet": ".parquet", "mat": ".mat", "geojson": ".geojson"}
 
 
 def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
@@ -201,7 +176,7 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
         {**result.to_dict(), **({"data": _as_mapping(result.dataset())} if hasattr(result, "dataset") else {})}
     )
     if hasattr(result, "track"):
-        forms |= {".geojson": lambda: str(result.track().geojson()), ".kml": lambda: str(result.track().kml())}
+        forms[".geojson"] = lambda: str(result.track().geojson())
     if hasattr(result, "animate"):
         forms[".gif"] = lambda: result.animate(path) and None
     return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
@@ -226,7 +201,6 @@ def _dataset_forms(dataset: "xarray.Dataset", path: str | Path) -> dict[str, For
     arrays = {str(name): variable.to_numpy() for name, variable in dataset.variables.items()}
     return {
         ".nc": lambda: netcdf_of(dataset, path),
-        ".zarr": lambda: write_zarr(dataset, path),
         **_table_forms(rows, path, words),
         ".mat": lambda: matlab_of(words() | arrays),
     }

@@ -283,8 +283,8 @@ class BaseResult(BaseSummary):
         """Write it to a ``path`` in the format of its suffix, whole or not at all.
 
         These are ``.json``, ``.png``, ``.svg`` and ``.pdf``; ``.csv``, ``.parquet`` and ``.mat`` for a table, ``.nc``
-        and ``.zarr`` for several dimensions, ``.geojson`` and ``.kml`` for a track on the map. A device without a
-        suffix gets the dataset, or else the table. Raises an InputError for another format, or if it cannot be written.
+        for several dimensions, ``.geojson`` for a track on the map. A device without a suffix gets the dataset, or
+        else the table. Raises an InputError for another format, or if it cannot be written.
         """
         write(forms_of(self, path), path)
 

@@ -172,8 +172,8 @@ def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
 
 # Characters that a file name cannot hold, percent-encoded as in addresses.
 NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
-DATASETS = (".nc", ".zarr", ".csv", ".parquet", ".mat", ".json")
-TRACKS = (*DATASETS, ".geojson", ".kml")
+DATASETS = (".nc", ".csv", ".parquet", ".mat", ".json")
+TRACKS = (*DATASETS, ".geojson")
 TABLES = (".csv", ".parquet", ".mat", ".json")
 # Suffixes of the verbs' files; the first is used for a device without one.
 MODELS, PAGES, WATERWAYS = (".toml",), (".html", ".htm"), (".geojson", ".json")
@@ -355,6 +355,6 @@ TABLE = "Table to write: .csv, .parquet, .mat, .json."
 TableDelivery = Annotated[Delivery, delivered(TABLE, TABLES)]
 ReportDelivery = Annotated[Delivery, delivered(TABLE, TABLES, report=REPORT)]
 ChartDelivery = Annotated[Delivery, delivered(TABLE, TABLES, plot=PICTURE)]
-TrackDelivery = Annotated[Delivery, delivered("Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", TRACKS, plot=PICTURE)]
-DatasetDelivery = Annotated[Delivery, delivered("Data: .nc, .zarr, .csv, .mat, ..., .json.", DATASETS, plot=PICTURE)]
+TrackDelivery = Annotated[Delivery, delivered("Voyage: .nc, .csv, .mat, ..., .geojson.", TRACKS, plot=PICTURE)]
+DatasetDelivery = Annotated[Delivery, delivered("Data: .nc, .csv, .mat, ..., .json.", DATASETS, plot=PICTURE)]
 WaterwayDelivery = Annotated[Delivery, delivered("GeoJSON to write.", WATERWAYS)]

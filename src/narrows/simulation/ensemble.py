@@ -1,9 +1,8 @@
-"""Many voyages at once (grids and Monte Carlo samples), on all cores or on a cluster, and measures of their results."""
+"""Many voyages at once (grids and Monte Carlo samples), on all cores, and measures of their results."""
 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import xarray as xr
 
 import narrows
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError, check_choice, path_of
+from narrows.base.errors import InputError, check_choice
 from narrows.base.progress import bar
 from narrows.codegen.free_motion import OPEN, Surge
 from narrows.model.data_range import Measure
@@ -19,7 +18,7 @@ from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation import settings
-from narrows.simulation.grid import AliasedDataset, Grid, attributes_of, empty_of, grid_of, labelled, run_into, sizes_of
+from narrows.simulation.grid import AliasedDataset, Grid, attributes_of, empty_of, grid_of, labelled, sizes_of
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
@@ -38,14 +37,14 @@ def ensemble(
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     contact: Contact | Points = "corners", waterway: "Waterway | None" = None,
     controller: Any = None, hold: float | None = None, workers: int | None = None, progress: bool = False,
-    store: str | Path | None = None, client: Any = None, bottom: bool = True, **vary: Any,
+    bottom: bool = True, **vary: Any,
 ) -> "Fleet":  # fmt: skip
     """Simulate a voyage for every combination of the varied quantities.
 
     The ``Fleet`` has outcome, grounded, side, time [s], distance [m] and the state at the end, over the varied
     dimensions. After an interruption it holds the finished voyages, and ``complete`` is 0.
 
-    Raises an InputError if a name is unknown, a value does not fit, or a cluster has no store.
+    Raises an InputError if a name is unknown or a value does not fit.
 
     Parameters
     ----------
@@ -61,10 +60,6 @@ def ensemble(
         As for ``simulate``: the default helm of each speed.
     workers, progress : int, bool
         Threads, all cores unless given, which do not change the result; show a bar on stderr.
-    store : str or Path, optional
-        Zarr folder for output block by block; an interrupted run continues from there.
-    client : dask.distributed.Client, optional
-        Run on a cluster, with a ``store`` that all its workers can reach.
     bottom
         As for ``simulate``.
     **vary : number, sequence or DataArray
@@ -92,20 +87,13 @@ def ensemble(
     check_irrelevant(ship, vary)
     law = {name: labelled(name, value) for name, value in steering.parameters.items()} if steering else {}
     grid = Grid({**plain.values, **law}, sizes_of({**plain.values, **law}) or plain.sizes)
-    if store is None and grid.vessels > settings.MOST_IN_MEMORY:
-        raise InputError(f"{grid.vessels:.3g} voyages are too many for memory; vary less, or give store='fleet.zarr'")
-    if grid.vessels > settings.MOST_STORED:
-        raise InputError(f"{grid.vessels:.3g} voyages are more than {settings.MOST_STORED:.0g}; vary less")
+    if grid.vessels > settings.MOST_VOYAGES:
+        raise InputError(f"{grid.vessels:.3g} voyages are too many for memory; vary less, or run parts of them")
     run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
-    if store is not None:
-        voyages = run_into(path_of("store", store), run, grid, client, progress)
-    elif client is not None:  # An object that is no client is refused here too
-        raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
-    else:
-        kept, complete = _run_here(run, grid, workers, progress)
-        data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
-        voyages = xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
+    kept, complete = _run_here(run, grid, workers, progress)
+    data = {name: (list(grid.sizes), column, attributes_of(name)) for name, column in kept.items()}
+    voyages = xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
     grounded = (voyages["outcome"] == Code.GROUNDED).assign_attrs(long_name="whether it grounded")
     voyages = voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
     fleet = Fleet(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)

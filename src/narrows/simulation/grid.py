@@ -1,22 +1,14 @@
-"""The varied quantities of an ensemble with named dimensions, split into blocks; ensembles stored in Zarr."""
+"""The varied quantities of an ensemble with named dimensions, split into blocks."""
 
-import hashlib
 import math
-import os
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
-from itertools import starmap
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 import numpy as np
 import xarray as xr
 
-from narrows.base.errors import InputError, check_count, did_you_mean, needs, reason, shown
-from narrows.base.progress import bar
+from narrows.base.errors import InputError, check_count, did_you_mean, reason, shown
 from narrows.base.results import answer
 from narrows.model.model import Model
 from narrows.model.term import TermTable
@@ -24,9 +16,8 @@ from narrows.quantities.names import FORCES, PARTICULARS
 from narrows.ship.actuators import STANDARD, particulars_with, places_of
 from narrows.ship.checks import check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import START, STEADY
-from narrows.simulation.kernel_run import OUTPUTS, KernelRun
 from narrows.simulation.outcome import KINDS, WAYS
-from narrows.simulation.settings import MOST_SAMPLES, TASK_VESSELS
+from narrows.simulation.settings import MOST_SAMPLES
 
 
 class AliasedDataset(xr.Dataset):  # type: ignore[misc]
@@ -69,11 +60,6 @@ class Grid:
 
     def region(self, block: slice) -> tuple[slice, ...]:
         return tuple(block if name == self.axis else slice(None) for name in self.sizes)
-
-    def part(self, block: slice) -> "Grid":
-        """Return one block as a separate grid, for another process."""
-        values = {n: v.isel({self.axis: block}) if self.axis in v.dims else v for n, v in self.values.items()}
-        return Grid(values, {**self.sizes, self.axis: block.stop - block.start})
 
     def flat(self, block: slice) -> tuple[dict[str, np.ndarray | float], tuple[int, ...]]:
         """Return every value over one block of vessels: one number, or one per vessel, and the block's shape."""
@@ -124,7 +110,7 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
 Columns = Mapping[str, xr.DataArray]
 
 # Names of the results.
-TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
+TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end")
 
 
 def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> xr.DataArray:
@@ -204,109 +190,6 @@ def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: n
             if shift.any():
                 sample = sample + shift[:, None] * covariance[k] / covariance[k, k]
     return np.asarray(np.clip(sample, low, high))
-
-
-def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
-    """Run the missing blocks of an ensemble into a Zarr folder, and open it."""
-    if client is not None and not hasattr(client, "submit"):
-        raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
-    blocks = list(grid.blocks(TASK_VESSELS))
-    identity = hashlib.sha256(f"{fleet.text} {TASK_VESSELS}".encode())
-    for name, value in sorted(grid.values.items()):
-        identity.update(f"{name} {value.dims}".encode())
-        identity.update(np.ascontiguousarray(value.to_numpy()).tobytes())
-    sizes = [(block.stop - block.start) * grid.vessels // grid.sizes[grid.axis] for block in blocks]
-    try:
-        with bar(grid.vessels, progress) as advance:
-            group = opened(path, identity.hexdigest(), grid, blocks)
-            left = [number for number, done in enumerate(group[DONE][:]) if not done]
-            advance(grid.vessels - sum(sizes[number] for number in left))
-            parts = ((grid.part(blocks[number]), grid.region(blocks[number]), number) for number in tuple(left))
-            tasks = ((str(path.resolve()), fleet, *part) for part in parts)
-            for number in _done(client, tasks):
-                left.remove(number)
-                advance(sizes[number])
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({reason(error)}); mend it and go on: it is kept") from None
-    held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
-    # The voyages are the same under any labels: those of this call stand in the result.
-    return held.drop_vars(held.coords).assign_coords(grid.coordinates()).assign_attrs(complete=int(not left))
-
-
-def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
-    """Run one block, write its region, then mark it done; a repetition changes nothing."""
-    import zarr
-
-    group = zarr.open_group(path, mode="r+")
-    values, shape = part.flat(slice(0, part.sizes[part.axis]))
-    for name, column in fleet.run(values, math.prod(shape)).items():
-        group[name][region] = column.reshape(shape)
-    group[DONE][number] = True
-    return number
-
-
-def _done(client: Any, tasks: Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]) -> Iterator[int]:
-    """Run tasks here, or on a cluster, and yield the number of each that is done."""
-    if client is None:
-        with suppress(KeyboardInterrupt):
-            yield from starmap(run_block, tasks)
-        return
-    from dask.distributed import as_completed
-
-    # Each task carries all its inputs, so that a worker's death costs only that task.
-    futures = [client.submit(run_block, *task, pure=False, retries=3) for task in tasks]
-    for future in as_completed(futures):
-        yield int(future.result())
-
-
-# Array of the folder: whether each block has run.
-DONE = "block_done"
-
-
-def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
-    with needs("cluster", "a store"):
-        import zarr
-    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
-        _make(path, identity, grid, blocks)
-    try:
-        group = zarr.open_group(str(path), mode="r+")
-        held = group.attrs.get("identity")
-    except Exception:  # Zarr's errors on foreign folders vary
-        raise InputError(f"{path}: holds no ensemble that can be read; choose another folder or remove it") from None
-    if held != identity:
-        raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
-    return group
-
-
-def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
-    """Make a temporary folder and rename it: if the process is killed, it is whole or absent."""
-    making = path.parent / f".{path.name}-{uuid4().hex}"
-    making.mkdir(parents=True)
-    try:
-        _write_empty(making, identity, grid, blocks)
-        os.replace(making, path)
-    except OSError:
-        if not (path.is_dir() and any(path.iterdir())):  # Otherwise another process has just made it
-            raise
-    finally:
-        shutil.rmtree(making, ignore_errors=True)
-
-
-def _write_empty(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
-    import zarr
-
-    group = zarr.open_group(str(path), mode="w", attributes={"identity": identity})
-    chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
-    for name, kind in OUTPUTS.items():
-        group.create_array(
-            name, shape=tuple(grid.sizes.values()), chunks=chunks, dtype=kind, fill_value=empty_of(kind),
-            attributes=attributes_of(name), dimension_names=list(grid.sizes),
-        )  # fmt: skip
-    group.create_array(DONE, shape=len(blocks), chunks=1, dtype=bool, dimension_names=["block"])
-    try:
-        xr.Dataset(coords=grid.coordinates(), attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
-    except (TypeError, ValueError, NotImplementedError) as error:
-        raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
 
 
 # Code of a voyage that was not run.

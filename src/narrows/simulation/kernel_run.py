@@ -1,6 +1,5 @@
 """Many voyages of one model at once, by the compiled kernel: inputs as numbers and columns by name, arrays kept."""
 
-import hashlib
 import logging
 import math
 import os
@@ -207,19 +206,6 @@ class KernelRun:
         state |= {one.name: 0.0 if (at := positions.get(one.name)) is None else at for one in self.ship.actuators}
         state |= stages_at(self.ship.actuators, state.__getitem__)
         return {**state, **(self.steering.memory(state) if self.steering else {})}
-
-    @property
-    def text(self) -> str:
-        """Identifier of this run, apart from the values that vary."""
-        law = self.steering.law.trace.text if self.steering else ""
-        options = (self.duration, self.dt, self.ship.surge, self.ship.coriolis, self.ship.contact,
-            self.ship.bottom)  # fmt: skip
-        where = ""
-        if self.waterway is not None:
-            water = self.channel({})
-            where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
-        values = sorted(self.ship.values().items(), key=str)
-        return f"{self.ship.system().trace.text} {options!r} {law} {where} {values!r}"
 
 
 RUDDER = "rudder"

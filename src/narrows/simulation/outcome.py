@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import reduce
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -105,10 +104,7 @@ class Outcome(Aliased):
         return {"outcome": self.kind, **values, "summary": self.sentence, "notes": list(self.notes)}
 
 
-# The track of a voyage on the map: GeoJSON and KML.
-KML = "http://www.opengis.net/kml/2.2"
-
-
+# The track of a voyage on the map.
 @dataclass(frozen=True)
 class Track:
     t: np.ndarray  # (times,) Time [s]
@@ -118,35 +114,19 @@ class Track:
     name: str  # Name of the ship
     summary: str  # The end in words
 
-    def _parts(self) -> tuple[tuple[str, str, list[list[float]]], ...]:
-        points: list[list[float]] = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
-        return (self.name, "LineString", points), ("end", "Point", points[-1:])
-
     def geojson(self) -> str:
         """Return the track as a LineString with its times and headings, and its end as a Point."""
+        points = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
         times = {"t": self.t.round(3).tolist(), "heading_deg": self.heading_deg.round(3).tolist()}
+        parts: Any = (self.name, times, "LineString", points), ("end", {}, "Point", points[-1])
         features = [
             {
-                "type": "Feature",
-                "properties": {"name": name, "summary": self.summary, **(times if kind == "LineString" else {})},
-                "geometry": {"type": kind, "coordinates": points if kind == "LineString" else points[0]},
+                "type": "Feature", "properties": {"name": name, "summary": self.summary, **more},
+                "geometry": {"type": kind, "coordinates": places},
             }
-            for name, kind, points in self._parts()
-        ]
+            for name, more, kind, places in parts
+        ]  # fmt: skip
         return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
-
-    def kml(self) -> str:
-        """Return the track as a line and its end as a mark."""
-        root = ElementTree.Element("kml", xmlns=KML)
-        document = ElementTree.SubElement(root, "Document")
-        for name, kind, points in self._parts():
-            placemark = ElementTree.SubElement(document, "Placemark")
-            ElementTree.SubElement(placemark, "name").text = name
-            ElementTree.SubElement(placemark, "description").text = self.summary
-            place = ElementTree.SubElement(ElementTree.SubElement(placemark, kind), "coordinates")
-            place.text = " ".join(f"{longitude},{latitude}" for longitude, latitude in points)
-        ElementTree.indent(root)
-        return str(ElementTree.tostring(root, encoding="unicode", xml_declaration=True)) + "\n"
 
 
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.

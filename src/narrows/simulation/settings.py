@@ -34,13 +34,11 @@ MOST_FROUDE = 0.6
 
 # Voyages per block: less than a second of work, so that progress bars move and Ctrl-C takes effect.
 BLOCK_VESSELS = 65_536
-# Least number of voyages of a stored task: makes the cost of writing and scheduling small.
-TASK_VESSELS = 100_000
 
 # Most steps of a voyage, which stores each of them, and of a voyage of an ensemble, which stores only its end.
 MOST_ROWS, MOST_STEPS = 5_000_000, 1_000_000_000
-# Most voyages of an ensemble (some 60 bytes each) in memory and in a store; most samples of coefficients.
-MOST_IN_MEMORY, MOST_STORED, MOST_SAMPLES = 100_000_000, 100_000_000_000, 10_000_000
+# Most voyages of an ensemble, some 60 bytes each; most samples of coefficients.
+MOST_VOYAGES, MOST_SAMPLES = 100_000_000, 10_000_000
 MOST_WORKERS = 4096  # Most threads or processes
 # Most points of a hull outline, each a line of the generated program, and their largest distance from midship [m].
 MOST_POINTS, MOST_EXTENT = 1000, 1e6
