@@ -7,10 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 
 import narrows as nw
-from narrows.report.envelope_chart import draw_widths
 from narrows.safety.channel_rules import BANKS, CHANNEL_RULES, READ
 from narrows.safety.result import exceeded_rules
 
@@ -135,11 +133,6 @@ def test_what_was_not_read_is_not_shown_as_published() -> None:
     assert unread == {"PIANC 121", "USACE EM 1110-2-1613"}
     for name in unread:
         assert any(note.startswith(f"{name}: ") and "memory" in note for note in rules.notes)
-    axes = Figure().subplots()
-    axes.set_ylim(0.0, 20.0)
-    assert sorted(line.get_label() for line in draw_widths(axes, rules)) == [
-        "PIANC 121, in part from memory", "UFC 4-150-06", "USACE EM 1110-2-1613, from memory",
-    ]  # fmt: skip
 
 
 def test_a_rule_without_a_source_is_none() -> None:

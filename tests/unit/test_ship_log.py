@@ -54,7 +54,13 @@ def test_its_table_has_a_row_for_each_time_and_says_what_was_not_measured() -> N
 
 
 def test_it_is_drawn() -> None:
-    assert len(nw.ShipLog((record("A"),)).plot().axes) == 6
+    """A panel for each signal, in degrees where it is an angle, a line for each record that has it."""
+    log = nw.ShipLog((record("A"), nw.ShipRecord("B", {"psi": nw.Signal(np.array([9.0, 10.0]), np.full(2, np.pi))})))
+    panels = {axes.get_ylabel(): axes.lines for axes in log.plot().axes}
+    assert {name: len(lines) for name, lines in panels.items()} == {"x [m]": 1, "y [m]": 1, "psi [deg]": 1}
+    (line,) = panels["psi [deg]"]
+    assert line.get_xydata().tolist() == [[0.0, pytest.approx(180.0)], [1.0, pytest.approx(180.0)]]
+    assert nw.ShipLog((nw.ShipRecord("A", {}),)).plot().axes
 
 
 def test_signals_and_records_by_hand() -> None:

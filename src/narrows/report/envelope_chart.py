@@ -1,6 +1,5 @@
 """The envelope chart for pilots: where the ship is safe, and the rudder that holds it; along a waterway."""
 
-import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any
@@ -13,10 +12,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
-from narrows.report.colours import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE, PURPLE
+from narrows.report.colours import BLACK, BLUE, DASHES, GREY, ORANGE, PURPLE
 from narrows.report.printed_tables import console_of, is_verbose, print_notes, print_result, table_of, thinned
 from narrows.report.style import FONT, GIVEN, headed, panels, titled
-from narrows.safety.channel_rules import READ, REMEMBERED, OutsideRules
 from narrows.safety.envelope_along import EnvelopeAlong
 from narrows.safety.headline import runs
 from narrows.safety.result import MEDIAN, SafeEnvelope
@@ -73,12 +71,6 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     handles = _shade(axes, envelope, y, u)
     axes.set_ylabel("speed through the water [knots]")
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
-    handles += draw_widths(axes, envelope.rules)
-    for row in envelope.rules.rows():
-        if row["speed_limit"] is not None and axes.get_ylim()[0] <= row["speed_limit"] <= axes.get_ylim()[1]:
-            axes.axhline(row["speed_limit"], xmin=0.97, color=GREEN, lw=1.6, clip_on=False)
-            across = axes.get_yaxis_transform()
-            axes.text(1.01, row["speed_limit"], row["rule"], transform=across, va="center", fontsize=7.2, color=BLACK)
     axes.grid(alpha=0.3)
     _draw_banks(axes, envelope)
     return [*_speed_legend(), *handles]
@@ -158,17 +150,13 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
         axes.plot(band["y"], low, color=ORANGE, ls=style, lw=1.0, label=f"9 cases of 10 within, {label}")
         axes.plot(band["y"], high, color=ORANGE, ls=style, lw=1.0)
         axes.plot(here["y"], np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
-    lines: list[tuple[float, str, dict[str, Any]]] = [(limit, "hard over", {"color": BLACK, "lw": 1.2})]
-    lines += [((1 - reserve) * limit, "reserve begins", {"color": GREY, "ls": "--", "lw": 1.2})]
-    rules = (row for row in envelope.rules.rows() if row["rudder"] is not None)
-    lines += [(row["rudder"], f"{row['rule'].partition(',')[0]}, steady", {"ls": "--", **RULE_STYLE}) for row in rules]
     place: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "zorder": 4}
     box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
-    for angle, words, look in lines:
-        axes.axhline(angle, **look)
-        axes.axhline(-angle, **look)
-        ink = BLACK if words.endswith("steady") else look["color"]
-        axes.annotate(words, (0.03, angle), (0, 2.5), fontsize=7.5, color=ink, bbox=box, **place)
+    for angle, words, colour, style in ((limit, "hard over", BLACK, "-"),
+                                        ((1 - reserve) * limit, "reserve begins", GREY, "--")):  # fmt: skip
+        for sign in (1, -1):
+            axes.axhline(sign * angle, color=colour, lw=1.2, ls=style)
+        axes.annotate(words, (0.03, angle), (0, 2.5), fontsize=7.5, color=colour, bbox=box, **place)
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
     axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
@@ -214,27 +202,6 @@ OFFSET_COLUMNS = {
     "limited by": "{limited_by}",
 }  # fmt: skip
 SPEED_COLUMNS = {"speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clearance:.2f}{mark}"}
-STYLES = ("-", "--", ":")
-RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
-
-
-def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
-    low, high = axes.get_ylim()
-    widths = [row for row in rules.rows() if row["width"] is not None]
-    styles = dict(zip(dict.fromkeys(row["rule"] for row in widths), STYLES, strict=False))
-    labels: dict[str, str] = {}
-    for row in widths:
-        slow, fast = max(row["slowest"], low), min(row["fastest"] or math.inf, high)
-        if slow >= fast:
-            continue
-        # Whether its numbers were checked in its source.
-        doubt = {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
-        label = labels.setdefault(row["rule"], row["rule"] + doubt)
-        if row["starboard"] is None and "; none" not in label:
-            labels[row["rule"]] += "; none" + (f" over {row['slowest']:g} knots" if row["slowest"] else "")
-        for side in ("port", "starboard") if row["starboard"] is not None else ():
-            axes.plot([row[side]] * 2, [slow, fast], ls=styles[row["rule"]], **RULE_STYLE)
-    return [Line2D([], [], label=label, ls=styles[rule], **RULE_STYLE) for rule, label in labels.items()]
 
 
 def envelope_along_chart(along: EnvelopeAlong) -> Figure:

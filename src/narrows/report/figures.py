@@ -1,7 +1,7 @@
 """The figure of each kind of result, for its ``plot()``."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,8 @@ from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
 from narrows.identification import Fit
 from narrows.identification.plan import Plan
+from narrows.logbook.ship_log import SIGNALS, ShipLog
+from narrows.logbook.steady_legs import SteadyPlan
 from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
 from narrows.report import envelope_chart, fit_figures, learning_pages, transit_report, voyage_figures
@@ -102,18 +104,35 @@ def eigenvalues_figure(result: Jacobian | LinearSystem) -> Figure:
     return figure
 
 
-def precision_figure(result: Plan | InformationForecast) -> Figure:
+def precision_figure(result: Plan | InformationForecast | SteadyPlan) -> Figure:
+    counts: Sequence[int]
     if isinstance(result, Plan):
-        counts, what, usual = tuple(range(1, len(result.runs) + 1)), "runs", result.usual
-        words = "as many about the centreline"
+        counts, what, usual = range(1, len(result.runs) + 1), "runs", result.usual
+        words, names = "as many about the centreline", result.targets
+    elif isinstance(result, SteadyPlan):
+        counts, what, usual = range(len(result.legs) + 1), "legs", {name: std[0] for name, std in result.std.items()}
+        words, names = "now", tuple(result.std)
     else:
-        counts, what, usual, words = result.transits, "transits", result.prior_std, "now"
-    figure, axes = panels(1, len(result.targets), 2.9)
-    for panel, name in zip(axes[0], result.targets, strict=True):
+        counts, what, usual, words, names = result.transits, "transits", result.prior_std, "now", result.targets
+    figure, axes = panels(1, len(names), 2.9)
+    for panel, name in zip(axes[0], names, strict=True):
         panel.plot(counts, result.std[name], color=BLUE, marker="o", markersize=3, label=f"after these {what}")
         panel.axhline(usual[name], color=ORANGE, linestyle="--", label=words)
         panel.set(ylim=(0.0, None), xlabel=f"{what} [1]", ylabel=f"standard error of {name} [1]")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), frameon=False, loc="outside upper left", ncols=2)
+    return figure
+
+
+def log_figure(log: ShipLog) -> Figure:
+    count = max(len(log.counts), 1)
+    figure, axes = panels(count, 1, 1.1 + 0.95 * count, sharex=True)
+    for panel, name in zip(axes[:, 0], log.counts, strict=False):
+        unit, factor = IN_DEGREES.get(SIGNALS[name].unit, (SIGNALS[name].unit, 1.0))
+        for record in log:
+            if name in record:
+                panel.plot(record[name].t - record.start, factor * record[name].values, linewidth=0.8)
+        panel.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
+    axes[-1, 0].set_xlabel("time of the record [s]")
     return figure
 
 
@@ -164,9 +183,9 @@ FIGURES: dict[str, Callable[[Any], Figure]] = {
     "SafeEnvelope": envelope_chart.envelope_chart,
     "EnvelopeAlong": envelope_chart.envelope_along_chart,
     "EstimatedTrack": track_figure,
-    "ShipLog": learning_pages.log_figure,
+    "ShipLog": log_figure,
     "InformationForecast": precision_figure,
-    "SteadyPlan": learning_pages.legs_figure,
+    "SteadyPlan": precision_figure,
     "SteadyFit": learning_pages.steady_figure,
     "WatchedTransit": transit_report.transit_figure,
 }

@@ -8,20 +8,17 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
 
-from narrows.base.errors import InputError
 from narrows.base.results import interval, with_error
 from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.learning.log_fit import LogFit
-from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
 from narrows.logbook.steady_readings import SHARED
 from narrows.logbook.transits import InformationForecast
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.report.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE
+from narrows.report.colours import BLACK, BLUE, GREY, ORANGE
 from narrows.report.fit_page import figure, write_page
 from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import legend_below, panels
@@ -71,40 +68,6 @@ def log_fit_figure(fit: LogFit) -> Figure:
     return figure
 
 
-COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
-# Largest number of points of a curve.
-MOST_POINTS = 4000
-MOST_RECORDS = 12
-LEGEND_RECORDS = 5
-# Signals of the panels below the track (the first one in the record), factor and label.
-CURVES = (
-    (("rudder",), DEGREES, "rudder [deg]"), (("psi",), DEGREES, "heading [deg]"), (("r",), DEGREES, "yaw rate [deg/s]"),
-    (("u", "u_ground", "speed_over_ground"), 1.0, "speed ahead [m/s]"),
-    (("v", "v_ground"), 1.0, "speed to starboard [m/s]"),
-)  # fmt: skip
-
-
-def log_figure(log: ShipLog) -> Figure:
-    figure, axes = panels(3, 2, 6.4)
-    track, *others = axes.ravel()
-    for place, record in enumerate(log.records[:MOST_RECORDS]):
-        colour = COLOURS[place % len(COLOURS)]
-        if "x" in record and "y" in record:
-            x = record["x"]
-            some = slice(None, None, max(1, len(x) // MOST_POINTS))
-            track.plot(x.values[some], record["y"].at(x.t[some]), color=colour, linewidth=1.0, label=record.name)
-        for panel, (names, factor, label) in zip(others, CURVES, strict=True):
-            panel.set(xlabel="time of the record [s]", ylabel=label)
-            if signal := next((record[name] for name in names if name in record), None):
-                some = slice(None, None, max(1, len(signal) // MOST_POINTS))
-                t, values = signal.t[some] - record.start, factor * signal.values[some]
-                panel.plot(t, values, color=colour, linewidth=0.8)
-    track.set(xlabel="along x [m]", ylabel="to starboard y [m]")
-    if len(log) <= LEGEND_RECORDS and track.lines:
-        track.legend(frameon=False)
-    return figure
-
-
 # Distance off its line at which a leg is broken off [beams].
 STRAYED = 0.25
 
@@ -119,7 +82,6 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
     ]  # fmt: skip
     write_page(
         path, "pilot.html.j2", title="Holding the ship to either side: what the bank does", plan=plan, legs=legs,
-        picture_of_legs=figure(legs_figure(plan), "The legs from above, the ship going up the page."),
         miles=run / 1852, minutes=np.ceil(plan.settling / 60), most_rudder=np.degrees(plan.most_rudder),
         strayed=STRAYED * ship.beam, foot=[plan.summary().partition("\n")[0], ON_TWINS],
     )  # fmt: skip
@@ -128,34 +90,6 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
 def _turned(low: float, high: float, digits: int = 0) -> str:
     """A range of angles [deg] by side: P to port, S to starboard."""
     return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))
-
-
-# Outline of a hull: beams to starboard, and rows ahead.
-HULL = ((-0.5, 0.0), (0.5, 0.0), (0.5, 0.75), (0.0, 1.0), (-0.5, 0.75))
-
-
-def legs_figure(plan: SteadyPlan) -> Figure:
-    """Draw the canal from above, with ahead up: each leg's hull at its offset."""
-    if not plan.legs:
-        raise InputError("a plan without legs has no picture; its summary gives the reason")
-    ship, half = plan.model.configuration.ship, plan.model.configuration.canal.width / 2
-    figure, ((axes,),) = panels(1, 1, 2.6, grid="")
-    for sign, side, ends in ((-1, "port bank", "left"), (1, "starboard bank", "right")):
-        axes.axvline(sign * half, color=BLACK, lw=4)
-        axes.text(sign * 0.97 * half, 0.06, side, rotation=90, va="bottom", ha=ends, fontsize=8)
-    axes.axvline(0, color=GREY, lw=0.8, ls="-.")
-    places = sorted({leg["offset"] for leg in plan.legs})
-    look: dict[str, Any] = {"ha": "center", "va": "center", "color": "white", "weight": "bold", "fontsize": 8}
-    for row, offset in enumerate(places):  # Each hull ahead of the last, so that neighbours do not overlap.
-        hull = [(offset + across * ship.beam, row + 0.05 + 0.9 * along) for across, along in HULL]
-        axes.add_patch(Polygon(hull, facecolor=BLUE if offset > 0 else ORANGE, edgecolor=BLACK, lw=0.8, alpha=0.85))
-        numbers = ", ".join(str(i) for i, leg in enumerate(plan.legs, start=1) if leg["offset"] == offset)
-        axes.text(offset, row + 0.5, numbers, **look)
-    axes.set(xlim=(-1.05 * half, 1.05 * half), ylim=(-0.1, len(places) + 0.25), yticks=[])
-    axes.set_xticks([-half, *places, 0, half], [f"{x:+.3g}" if x else "0" for x in (-half, *places, 0, half)])
-    axes.spines["left"].set_visible(False)
-    axes.set_xlabel("metres from the middle, the ship going up the page: port left, starboard right")
-    return figure
 
 
 def print_information(information: InformationForecast) -> None:

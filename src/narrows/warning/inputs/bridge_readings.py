@@ -4,7 +4,7 @@ import heapq
 import math
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -131,27 +131,20 @@ def replay(path: Path, speed: float = math.inf, mmsi: int | None = None) -> Iter
 
 
 def in_order(entries: Iterable[Entry]) -> Iterator[Entry]:
-    waiting: list[tuple[float, str, int, Entry]] = []
-    numbers, newest, last = count(), -math.inf, -math.inf
-    recent: set[tuple[float, str, str]] = set()
-
-    def ready(before: float) -> Iterator[Entry]:
-        nonlocal last, recent
-        while waiting and waiting[0][0] <= before:
-            entry = heapq.heappop(waiting)[-1]
-            if entry.t > last:
-                recent, last = set(), entry.t
-            key = (entry.t, entry.message.source, repr(entry.message))
-            if key not in recent:
-                recent.add(key)
-                yield entry
-
-    for entry in entries:
-        if entry.t >= last:
+    """Yield entries by time, each once; what is later than ``LATE`` is left out."""
+    waiting, numbers, recent = list[tuple[float, str, int, Entry]](), count(), set[str]()
+    newest = last = -math.inf
+    for entry in chain(entries, (None,)):
+        if entry and entry.t >= last:
             heapq.heappush(waiting, (entry.t, entry.message.source, next(numbers), entry))
-        newest = max(newest, entry.t)
-        yield from ready(newest - LATE)
-    yield from ready(math.inf)
+        newest = max(newest, entry.t) if entry else math.inf
+        while waiting and waiting[0][0] <= newest - LATE:
+            first = heapq.heappop(waiting)[-1]
+            recent = recent if first.t == last else set()
+            last = first.t
+            if repr(first.message) not in recent:
+                recent.add(repr(first.message))
+                yield first
 
 
 def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
