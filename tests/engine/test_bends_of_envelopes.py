@@ -41,11 +41,10 @@ def enveloped(curvature: float) -> nw.SafeEnvelope:
 def test_the_rudder_of_an_envelope_is_that_of_the_steady_turn() -> None:
     """As ``linearize`` finds it on the line of a waterway, of the most likely ship with its squat."""
     heave = nw.squat(kcs().configuration, SPEED).sinkage
-    bend = nw.control.linearize(
-        kcs(), list(OFFSETS), SPEED, waterway=arc(), at=arc().line.length / 2, heave=heave
-    )  # fmt: skip
+    place = {"waterway": arc(), "at": arc().line.length / 2, "heave": heave}
+    bend = [nw.control.linearize(kcs(), y, SPEED, **place).course["rudder"] for y in OFFSETS]
     likely = enveloped(1 / RADIUS).data["rudder_likely"].to_numpy().ravel()
-    np.testing.assert_allclose(likely, bend.course["rudder"].ravel(), rtol=1e-3)
+    np.testing.assert_allclose(likely, bend, rtol=1e-3)
     straight = enveloped(0.0).data["rudder_likely"].to_numpy().ravel()
     assert (np.abs(likely) > np.abs(straight) + np.radians(8.0)).all()
 
