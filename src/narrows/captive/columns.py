@@ -1,5 +1,7 @@
-"""Columns of captive-test tables, and headers of laboratories that mean them (``synonyms.toml``)."""
+"""Columns of captive-test tables, headers of laboratories that mean them (``synonyms.toml``), drafts of a mapping."""
 
+import json
+import math
 import re
 import tomllib
 import unicodedata
@@ -13,9 +15,9 @@ import pandas as pd
 
 from narrows.base.errors import InputError, near_miss
 from narrows.captive.tests import LABELS, Headers
-from narrows.quantities.dimensions import is_unit
+from narrows.quantities.dimensions import is_unit, unit_named
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
-from narrows.readers.cells import Vocabulary, floats, quantity_of
+from narrows.readers.cells import Vocabulary, floats, quantity_of, split_header
 from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.particulars import Canal, Ship, Water
@@ -35,19 +37,14 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
 
 
-SOURCE = "Yasukawa and Yoshimura 2015"
-
-
 def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
     """Raise if terms need a quantity that neither the table nor its ship file gives."""
-    missing = [name for name in asked if name not in values]
-    if not missing:
-        return
     movers = (*STANDARD, *actuators)
     column = {word: actuator.name for actuator in movers for word in actuator.controls}
     column |= {"cos_psi": "psi", "sin_psi": "psi"}
-    first, *more = dict.fromkeys(column.get(name, name) for name in missing)
-    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{_others(more, movers)}")
+    missing = list(dict.fromkeys(column.get(name, name) for name in asked if name not in values))
+    if missing:
+        raise InputError(f"{_lacking(missing[0], headers, movers)}{_others(missing[1:], movers)}")
 
 
 def _others(names: Iterable[str], movers: Iterable[Actuator]) -> str:
@@ -69,35 +66,22 @@ def _places(movers: Iterable[Actuator]) -> dict[str, str]:
     return own | places_of(movers)
 
 
-def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
+def _lacking(name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
     known = columns_with(movers)
-    if wanted not in known or wanted in PARTICULARS:
+    if name not in known or name in PARTICULARS:
         section, _, key = _places(movers).get(name, "").partition(" ")
         unit, meaning = particulars_with(movers).get(name, ("1", ""))
         where = f"{key}{'' if unit == '1' else f' [{unit}]'} to section {section} of the ship file: {meaning}"
         said = f"the terms need {name}, which neither the tests nor the ship file give"
-        return f"{said}; add {where if section and meaning else 'it'}{usual(name)}"
-    unit, meaning = known[wanted]
+        return f"{said}; add {where if section and meaning else 'it'}"
+    unit, meaning = known[name]
     table = f"{headers.table}: " if headers.table else ""
-    near = near_miss(wanted, headers.unread)
+    near = near_miss(name, headers.unread)
     unread = f", or say by --mapping which of {seen(headers.unread)} it is" if headers.unread and not near else near
     drift = next((header for header in headers.unread if re.search("drift|beta", header.lower())), None)
-    if wanted in ("u", "v") and drift:
+    if name in ("u", "v") and drift:
         unread = f": u = U cos(beta) and v = -U sin(beta), if {drift!r} is beta, positive with the bow to starboard"
-    return f"{table}column {wanted!r} is missing ({meaning} [{unit}]); add it{unread}"
-
-
-def usual(name: str) -> str:
-    """Return a particular of a published ship, with the source, in words; nothing if there is none."""
-    from narrows.empirical.fleet import published
-
-    example = published("yasukawa2015_kvlcc2").configuration
-    values, size = example.values(), f"{example.ship.length:g} m long"
-    if name == "flow_straightening":
-        low, high = (values[f"rudder_straightening_{side}"] for side in ("port", "starboard"))
-        return f"; usual are {low:.2g} to {high:.2g}, those of KVLCC2 to port and to starboard ({SOURCE})"
-    asked = name.startswith(("rudder_", "propeller_")) or name in ("x_g", "inertia", "mass", "revolutions")
-    return f"; KVLCC2, {size}, has {values[name]:.4g} ({SOURCE})" if asked and name in values else ""
+    return f"{table}column {name!r} is missing ({meaning} [{unit}]); add it{unread}"
 
 
 @cache
@@ -162,3 +146,47 @@ def begun(header: str) -> str:
         if len(words) > 2 and all(begins):  # Compounds are written apart, too: "Geschw. längs".
             return name
     return ""
+
+
+def draft_columns(frame: pd.DataFrame, table: str, command: str) -> str:
+    """Draft ``columns.toml`` for a table whose headers are not all recognised, by their words; empty without any."""
+    documented = {str(header): quantity_of(str(header), Vocabulary(COLUMNS, LABELS)) for header in frame.columns}
+    unread = [header for header, name in documented.items() if not name]
+    columns, units = dict[str, str](), dict[str, str]()
+    # Synonyms come before guesses, in which each word begins one of a synonym.
+    for header, (meaning, stated) in sorted(((h, meant(h)) for h in unread), key=lambda found: not found[1][0]):
+        name = meaning or begun(header)
+        if not name or name in columns or name in documented.values():
+            continue
+        unread.remove(header)
+        own = split_header(header)[1]
+        unit, remark = _drafted_unit(name, stated or own, floats(frame[header]))
+        sure = "sure" if meaning and not remark.endswith("?") else "GUESSED"
+        why = f"  # {sure}: {' '.join(f'{header!r} is {name}{remark}'.split())}"
+        columns[name] = f"{name} = {json.dumps(header, ensure_ascii=False)}{why}"
+        if unit != own:
+            units[name] = f"{name} = {json.dumps(unit, ensure_ascii=False)}{why}"
+    if not columns:
+        return ""
+    return "\n".join([
+        f"# Columns of {table}, drafted. Check the lines with GUESSED, then type:", f"#   {command}",
+        "# With true here, narrows identify reads it for every table of this folder.", "confirmed = false",
+        "", "[columns]", *columns.values(),
+        *(f"# not used: {json.dumps(header, ensure_ascii=False)}" for header in unread),
+        *(["", "[units]", *units.values()] if units else ()), "",
+    ])  # fmt: skip
+
+
+def _drafted_unit(name: str, stated: str, values: np.ndarray) -> tuple[str, str]:
+    """The unit of a header or, of an angle without one, by its size, and a remark on the latter."""
+    if name in LABELS:
+        return "", ""
+    given, wanted = unit_named(stated) if stated else None, unit_named(COLUMNS[name].unit)
+    if given and wanted and given.powers == wanted.powers:
+        return stated, ""
+    most, si = float(np.nanmax(np.abs(values), initial=0.0)), COLUMNS[name].unit
+    if not most or not si.startswith("rad"):
+        return "", ""
+    if most > math.pi / 2:
+        return si.replace("rad", "deg"), f"; up to {most:.3g}, too large for radians"
+    return si, f"; up to {most:.3g}, degrees or radians?"

@@ -61,7 +61,7 @@ def identify(
 
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
-    from narrows.captive.draft import draft_columns
+    from narrows.captive.columns import draft_columns
     from narrows.captive.formats import layout_of
     from narrows.readers.frames import read_frame
     from narrows.readers.mapping import read_mapping
@@ -75,10 +75,10 @@ def _drafted(table: Path, ship: Path) -> str:
         command = f"narrows identify {table} --ship {ship} --mapping {path}"
         if path.exists():
             return f" ({path} is there: check it, and type {command})"
-        draft = draft_columns(frame)
-        if not draft.entries or layout_of(frame):  # The columns of a known layout are not at fault.
+        draft = draft_columns(frame, table.name, command)
+        if not draft or layout_of(frame):  # The columns of a known layout are not at fault.
             return ""
-        write_whole(path, draft.toml(table.name, command))
+        write_whole(path, draft)
     except (InputError, OSError):
         return ""
     return f"; {path} is drafted: check it, and type {command}"
