@@ -57,7 +57,6 @@ from .model.derived_models import at_depth as at_depth
 from .model.derived_models import borrow_rudder as borrow_rudder
 from .model.derived_models import with_transverse_thrust as with_transverse_thrust
 from .model.froude import Scaled as Scaled
-from .model.froude import dimensional as dimensional
 from .model.froude import nondimensional as nondimensional
 from .model.froude import scale_model as scale_model
 from .model.model import Model as Model
@@ -117,13 +116,11 @@ from .simulation import controllers as controllers
 from .simulation import derivative as derivative
 from .simulation import eigenvalues as eigenvalues
 from .simulation import ensemble as ensemble
-from .simulation import grounding_distance as grounding_distance
 from .simulation import grounding_probability as grounding_probability
 from .simulation import jacobian as jacobian
 from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
-from .simulation import step as step
 from .simulation.manoeuvring_trials import StoppingTest as StoppingTest
 from .simulation.manoeuvring_trials import Trials as Trials
 from .simulation.manoeuvring_trials import Turning as Turning

@@ -200,7 +200,7 @@ class Table:
         law = nw.Zigzag(0.2, 0.1)
         voyage = {
             "model": steered(), "y": 0.6, "u": 1.1, "duration": 5.0, "dt": 0.5, **STATE, **FORCES, **CHOICES,
-            "rudder": under(0.1, model=steered()), "at": [1.0, 2.0], "waterway": under(waterway_for("paper"), x=3.0),
+            "rudder": under(0.1, model=steered()), "waterway": under(waterway_for("paper"), x=3.0),
             "controller": under(law, model=steered()), "hold": under(0.2, model=steered()),
         }  # fmt: skip
         run = {
@@ -238,7 +238,6 @@ class Table:
                 {"model": paper(), "by": ("y", "c_bank"), "y": 0.6, "u": 1.1, "duration": 1.5, "dt": 0.05},
                 answer=lambda found: found.slopes,
             ),
-            "grounding_distance": Entry({"voyages": fleet()}, {"voyages": fleet(0.05)}),
             "grounding_probability": Entry(
                 {"voyages": fleet(), "distance": 8.0, "over": "sample"},
                 {"voyages": fleet(-0.1), "distance": 8.3, "over": "y"},
@@ -346,7 +345,6 @@ class Table:
 
     @property
     def models(self) -> dict[str, Entry]:
-        numbers = nw.nondimensional(paper(), "bis")
         # At 1 m/s of another ship the primes are others; with another system too.
         return {
             "at_depth": Entry({"model": shallow(), "depth": 0.35}, {"model": by_depth(), "depth": 0.4}),
@@ -361,14 +359,9 @@ class Table:
                 {"model": paper(), "system": "prime2", "speed": 1.0},
                 {"model": steered(), "system": "prime1", "speed": 2.0},
             ),
-            "dimensional": Entry(
-                {"numbers": numbers, "model": paper(), "system": "prime2", "speed": 1.0},
-                {"numbers": {**numbers, "b_v": 3.0}, "model": mirrored_density(), "system": "bis", "speed": 2.0},
-            ),
             "scale_model": Entry(
                 {"model": shallow(), "length": 300.0},
-                {"model": steered(), "length": 200.0, "density": 1025.0, "width": 700.0, "depth": 30.0,
-                 "form_factor": 0.1},
+                {"model": steered(), "length": 200.0, "density": 1025.0, "width": 700.0, "depth": 30.0},
             ),
             "squat": Entry(
                 {"ship": shallow(), "u": 0.5},

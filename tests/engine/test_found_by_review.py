@@ -226,16 +226,6 @@ def test_a_fleet_of_ships_that_cannot_be_is_refused(changed: dict[str, Any]) -> 
 # 10. Whole turns are counted, whoever looks.
 
 
-@pytest.mark.parametrize("rudder", [0.4, -0.4])
-def test_a_turning_circle_is_counted_between_the_rows(rudder: float) -> None:
-    told = {"duration": 240.0, "dt": 0.05, "contact": "none", "rudder": rudder}
-    model = steered().in_open_water()
-    close, sparse = nw.simulate(model, **told), nw.simulate(model, **told, at=[200.0, 240.0])
-    assert abs(close.psi[-1]) > 4 * math.pi
-    assert sparse.psi[-1] == close.psi[-1]
-    assert sparse.outcome.state["psi"] == close.psi[-1]
-
-
 def test_a_fleet_counts_whole_turns_as_voyages_do() -> None:
     told = {"duration": 240.0, "dt": 0.05, "contact": "none", "rudder": 0.4}
     model = steered().in_open_water()
@@ -262,36 +252,6 @@ def test_more_steps_than_memory_are_refused(sail: Callable[..., Any], told: dict
         pytest.skip("a fleet keeps no rows: twelve minutes, and no memory")
     with pytest.raises(nw.InputError, match="steps"):
         sail(paper(), y=0.0, **told)
-
-
-# 18. Looking does not change the voyage.
-
-
-@pytest.mark.parametrize("contact", ["corners", "midship", OUTLINE])
-@pytest.mark.parametrize("at", [[60.0], [0.1, 0.11, 7.777777, 60.0], np.linspace(0.013, 60, 999), [5.0]])
-def test_when_rows_are_asked_for_changes_no_outcome(contact: Any, at: Any) -> None:
-    told = {"y": 0.5, "dt": 0.05, "contact": contact, "duration": 60.0}
-    plain, looked = nw.simulate(paper(), **told).outcome, nw.simulate(paper(), **told, at=at).outcome
-    assert (plain.kind, plain.side, plain.time, plain.state) == (looked.kind, looked.side, looked.time, looked.state)
-
-
-def test_when_rows_are_asked_for_changes_no_order() -> None:
-    told = {"duration": 40.0, "dt": 0.25, "controller": nw.Autopilot(0.3, (0.15, 1.2, 0.4, 2.0))}
-    plain = nw.simulate(quiet(), **told)
-    looked = nw.simulate(quiet(), **told, at=[0.1, 3.33, 7.0, 19.9, 40.0])
-    assert looked.outcome.state == plain.outcome.state
-    assert looked.rudder[3] == plain.rudder[28]
-    assert looked.y[3] == plain.y[28]
-
-
-def test_rows_between_steps_are_on_the_track() -> None:
-    told = {"y": 0.5, "dt": 0.05, "duration": 10.0}
-    at = [0.013, 1.234, 7.777, 9.999]
-    looked, fine = nw.simulate(paper(), **told, at=at), nw.simulate(paper(), **{**told, "dt": 0.001})
-    assert looked.t.tolist() == [0.0, *at, 10.0][: len(looked.t)]
-    for name in ("x", "y", "psi", "v", "r"):
-        rows = [getattr(fine, name)[round(t / 0.001)] for t in at]
-        np.testing.assert_allclose(getattr(looked, name)[1 : len(at) + 1], rows, atol=1e-6)
 
 
 def test_what_a_fleet_varies_elsewhere_changes_no_voyage() -> None:

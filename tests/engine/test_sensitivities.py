@@ -271,7 +271,7 @@ class Drifter:
 @pytest.mark.parametrize(
     ("by", "told", "says"),
     [
-        (("b_bnk",), {}, "did you mean"), (("y", "y"), {}, "twice"), (("y",), {"at": [1.0]}, "leave `at` out"),
+        (("b_bnk",), {}, "did you mean"), (("y", "y"), {}, "twice"),
         (("y",), {"controller": Drifter()}, "law in arithmetic"), (("current",), {}, "no 'current'"),
     ],
 )  # fmt: skip

@@ -61,22 +61,6 @@ def test_a_voyage_keeps_its_steps_and_an_ensemble_does_not() -> None:
     assert nw.ensemble(DTC, y=3.21, v=1.0, dt=1e-6)["time"] < 0.01
 
 
-@pytest.mark.parametrize(
-    "at", [[], [0.0], [2.0, 1.0], [1.0, 1.0], [1.0, math.inf], [math.nan], [1.0, 2j], 5.0, "12", None.__class__]
-)
-def test_output_times_rise_and_are_finite(at) -> None:
-    assert sentence(lambda: nw.simulate(DTC, at=at)).startswith("at")
-
-
-@pytest.mark.parametrize("duration", [b"1", "1", 1j, math.nan, 0.5])
-def test_output_times_lie_within_a_duration(duration: object) -> None:
-    assert "duration" in sentence(lambda: nw.simulate(DTC, at=[1.0], duration=duration))
-
-
-def test_too_many_steps_to_an_output_time() -> None:
-    assert "steps" in sentence(lambda: nw.simulate(DTC, at=[1e19]))
-
-
 @pytest.mark.parametrize("workers", [0, -1, 1.5, True, "2", 10**9, math.nan, 10**5000], ids=shown)
 def test_workers(workers: object) -> None:
     assert "give a whole number from 1" in sentence(lambda: nw.ensemble(DTC, workers=workers, duration=1.0))

@@ -107,18 +107,6 @@ def test_an_object_of_python_sails_the_voyage_of_the_law_that_it_mimics(along: b
     np.testing.assert_allclose(mimic.asked, one.t[:-1], rtol=1e-12, err_msg="asked once, where each step begins")
 
 
-def test_output_times_ask_a_controller_nothing() -> None:
-    model, at = steered(), [0.21, 3.333, 9.0]
-    plain, told = (Mimic(Integrator(), 0.05, START["y"]) for _ in range(2))
-    one = nw.simulate(model, **START, controller=plain, duration=10.0, dt=0.05)
-    other = nw.simulate(model, **START, controller=told, duration=10.0, dt=0.05, at=at)
-    assert told.asked == plain.asked
-    assert other.outcome == one.outcome
-    np.testing.assert_allclose(other.t, [0.0, *at, 10.0])
-    fine = nw.simulate(model, **START, controller=Mimic(Integrator(), 0.05, START["y"]), duration=9.0, dt=0.05)
-    assert other.y[3] == pytest.approx(fine.y[-1], abs=1e-12)
-
-
 @pytest.mark.parametrize("law", [Integrator(), Mimic(Integrator(), 0.1, 0.0)], ids=lambda own: type(own).__name__)
 def test_a_law_remembers_over_jumps_of_the_forces(law: Any) -> None:
     """Forces that jump from nought to nought change nothing."""

@@ -281,7 +281,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "nw.load_ship(name)": (lambda: nw.load_ship("kcs"), "nw.published has the package's ships"),  # type: ignore[attr-defined]
     "nw.simulate(heading_deg=)": (lambda: nw.simulate(DTC, heading_deg=2.0), "write psi=..., in radians"),
-    "nw.simulate(n_steps=)": (lambda: nw.simulate(DTC, n_steps=100), "write at=..., the times"),
+    "nw.simulate(n_steps=)": (lambda: nw.simulate(DTC, n_steps=100), "write duration=... and dt=..."),
     "nw.safe_envelope(wind=)": (lambda: nw.safe_envelope(KCS, wind=10.0), r"write disturbance=nw.Disturbance\("),  # type: ignore[call-arg]
     "nw.regulator(Q=)": (
         lambda: nw.control.regulator(KCS, 0.0, 4.0, Q=1.0),

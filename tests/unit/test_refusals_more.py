@@ -37,7 +37,6 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
         (lambda: nw.scale_model(DTC, 1e200), "must be over 0 and under"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
-        (lambda: nw.scale_model(DTC, 355.0, form_factor=9.0), "more than the whole of a_uu"),
         (
             lambda: nw.squat(nw.Configuration(DTC.configuration.ship, nw.Canal(7.0, 0.3)), 0.5, "bow", "barrass"),
             "largest sinkage",

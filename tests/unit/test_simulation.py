@@ -76,12 +76,6 @@ def test_a_fleet_is_its_voyages(dtc: nw.Model) -> None:
         assert int(ends["side"][i]) == {"starboard": 1, "port": -1}[outcome.side]
 
 
-def test_a_grounding_before_the_first_output_time(dtc: nw.Model) -> None:
-    voyage = nw.simulate(dtc, 1.0, at=[60.0], duration=60.0)
-    assert voyage.outcome.kind == "grounded"
-    assert len(voyage.t) == 2
-
-
 def test_contact_is_met_to_a_micrometre(dtc: nw.Model) -> None:
     for y in (0.5, 1.5, 2.5):
         end = nw.simulate(dtc, y).outcome.state
@@ -255,18 +249,6 @@ def test_a_speed_that_no_displacement_ship_reaches_has_a_note(dtc: nw.Model) -> 
     doubt = "8 m/s is a Froude number of 1.3, and displacement ships do not reach 0.6"
     assert any(note.startswith(doubt) for note in nw.simulate(dtc, y=0.5, u=8.0).notes)
     assert not any("Froude" in note for note in nw.simulate(dtc, y=0.5, u=1.0).notes)
-
-
-def test_output_times_do_not_change_a_voyage(dtc: nw.Model) -> None:
-    """They lie on the track of fine steps, and do not bound the duration where one is given."""
-    plain = nw.simulate(dtc, y=0.3, duration=20.0, dt=0.05)
-    told = nw.simulate(dtc, y=0.3, duration=20.0, dt=0.05, at=[1.0, 1.01, 7.777])
-    assert told.outcome == plain.outcome
-    np.testing.assert_array_equal(told.t, [0.0, 1.0, 1.01, 7.777, plain.t[-1]])
-    assert told.y[1] == plain.y[np.searchsorted(plain.t, 1.0 - 1e-9)]
-    fine = integrated(dtc, 7.777, y=0.3)
-    assert told.y[3] == pytest.approx(fine.y[-1], abs=1e-7)
-    assert nw.simulate(dtc, y=0.0, at=[1.0, 2.0]).outcome.time == 2.0
 
 
 def test_every_door_takes_the_same_defaults_for_a_full_size_ship(tmp_path: Path, cli) -> None:

@@ -241,7 +241,6 @@ def scale(
     density: Annotated[float | None, "Density of the new water [kg/m3]; default: unchanged."] = None,
     width: Annotated[float | None, "Width of the new canal [m]; default: that of the tests, scaled."] = None,
     depth: Annotated[float | None, "Depth of the new canal [m]; default: that of the tests, scaled."] = None,
-    form_factor: Annotated[float | None, "Scale friction by the ITTC line with this form factor k."] = None,
 ) -> None:
     """Scale a model to another length by Froude's law.
 
@@ -249,7 +248,7 @@ def scale(
     """
     from narrows.report.printed_tables import print_scaled
 
-    scaled = nw.scale_model(model_named(model), length, density, width, depth, form_factor)
+    scaled = nw.scale_model(model_named(model), length, density, width, depth)
     delivery.give(scaled, print_scaled, save=scaled.model.save)
 
 

@@ -18,7 +18,7 @@ from scipy.stats import norm, t
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
-from narrows.model.water import wetted_surface
+from narrows.model.water import ittc57, wetted_surface
 from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.physics.squat_and_depth import kijima_drift_force, kijima_drift_moment, kijima_yaw_moment
 from narrows.quantities.names import GRAVITY, Number
@@ -300,7 +300,7 @@ def resistance_prime(ship: Ship, speed: float) -> float:
     if not 0 < speed <= most:
         raise InputError(f"a speed of {speed:.4g} m/s is none of this ship; give one over 0 and up to {most:.3g} m/s")
     ratio, draft = ship.length / ship.beam, ship.beam / ship.draft
-    friction = 0.075 / (math.log10(speed * ship.length / VISCOSITY) - 2) ** 2
+    friction = ittc57(speed * ship.length / VISCOSITY)
     form = -0.095 + 25.6 * ship.block_coefficient / (ratio**2 * math.sqrt(draft))
     # The correlation allowance and the residual resistance are 0.0004 over the wetted surface.
     return ((1 + form) * friction + 0.0004) * wetted_surface(ship) / (ship.length * ship.draft)

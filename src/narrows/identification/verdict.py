@@ -15,9 +15,8 @@ from narrows.identification.least_squares import RANK_TOLERANCE
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, score
 from narrows.identification.systematic_effects import Effect
-from narrows.model.froude import ittc57
 from narrows.model.term import Term, TermKind, TermTable
-from narrows.model.water import ship_inertia, ship_mass, wetted_surface
+from narrows.model.water import ittc57, ship_inertia, ship_mass, wetted_surface
 from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.quantities.names import evaluate
 

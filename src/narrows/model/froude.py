@@ -1,9 +1,7 @@
 """Models at another scale by Froude's law, and the effects that do not scale."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import log10
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -14,19 +12,16 @@ from narrows.base.results import BaseResult, Coefficients
 from narrows.model.data_range import MEASURES, DataRange, extrapolation
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect
-from narrows.model.water import ship_mass, wetted_surface
+from narrows.model.water import ship_mass
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
 from narrows.ship.checks import is_finite
-from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Water
 
 if TYPE_CHECKING:
     import pandas as pd
 
 LONGEST = 1e4  # Length greater than any ship's [m]
-VISCOSITIES = 1.14e-6, 1.19e-6  # Kinematic viscosity of fresh water in tanks, and of the sea, at 15 degrees [m2/s]
-USUAL_FROUDE = 0.12  # Froude number by length of ships in canals, for models whose tested speeds are not known
 
 
 @dataclass(frozen=True, repr=False)
@@ -70,18 +65,9 @@ class Scaled(DerivedModel):
         return {**ratios, **super().to_dict(), "bis": nondimensional(self.model, "bis")}
 
 
-def ittc57(reynolds: float) -> float:
-    """Return the frictional resistance coefficient of the ITTC's line [1], 0.075/(log10 Re - 2)^2."""
-    # ITTC (1957), Report of the 8th conference: model-ship correlation line.
-    if not reynolds >= 1e5:
-        raise InputError(f"a Reynolds number of {reynolds:g} is below the range of the ITTC's line; check the speed")
-    return 0.075 / (log10(reynolds) - 2) ** 2
-
-
 @accept_aliases
 def scale_model(
-    model: Model, length: float, density: float | None = None, width: float | None = None, depth: float | None = None,
-    form_factor: float | None = None,
+    model: Model, length: float, density: float | None = None, width: float | None = None, depth: float | None = None
 ) -> Scaled:  # fmt: skip
     """Scale a model to another length by Froude's law.
 
@@ -100,9 +86,6 @@ def scale_model(
         Density of the new water; unchanged unless given.
     width, depth : float [m], optional
         Dimensions of the new canal; those of the tests at the new scale unless given.
-    form_factor : float [1], optional
-        Form factor k: scale the friction in the resistance by the line of the ITTC instead of by Froude's law, at the
-        mean of the tested speeds and with the wetted surface of Denny and Mumford.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
         raise InputError(f"the length {shown(length)} m of a ship must be over 0 and under {LONGEST:g} m")
@@ -123,9 +106,7 @@ def scale_model(
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     same = f"The water keeps its density of {water.density:g} kg/m3: the sea's is 1025 (density, --density)."
     place = ((same,) if density is None and ratio > 1 else ()) + _place_notes(model, configuration)
-    notes = (*model.bank_notes, *_scale_notes(model, form_factor is not None), *place)
-    if form_factor is not None:
-        coefficients |= _resistance_by_line(model, form_factor, configuration, coefficients)
+    notes = (*model.bank_notes, *_scale_notes(model), *place)
     scaled = replace(
         model,
         configuration=configuration,
@@ -147,38 +128,8 @@ class Units:
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
-def _resistance_by_line(
-    model: Model, form_factor: float, configuration: Configuration, scaled: Mapping[str, float]
-) -> dict[str, float]:
-    """The resistance with the friction of the old scale replaced by that of the new."""
-    terms = _holding(model, ScaleEffect.FRICTION)
-    if not terms:
-        raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
-    if not (is_finite(form_factor) and form_factor >= 0):
-        raise InputError(
-            f"a form factor of {shown(form_factor)} is not a number from 0; give k, 0.1 to 0.3 for most ships"
-        )
-    name, old, frictions = terms[0], model.configuration, []
-    speeds = model.data_range.speed or (USUAL_FROUDE * (GRAVITY * old.ship.length) ** 0.5,)
-    for setting, viscosity in zip((old, configuration), VISCOSITIES, strict=True):
-        speed = sum(speeds) / len(speeds) * (setting.ship.length / old.ship.length) ** 0.5
-        coefficient = (1 + form_factor) * ittc57(speed * setting.ship.length / viscosity)
-        drag = 0.5 * setting.water.density * wetted_surface(setting.ship) * coefficient  # Over the speed squared
-        frictions.append(drag / -float(model.terms[name].column({**setting.values(), **Motion.at(u=1.0).values()})))
-    (small, large), whole = frictions, model.coefficients[name]
-    if small > whole > 0:
-        raise InputError(f"the friction is more than the whole of {name}; check the form factor and the ship's sizes")
-    share = scaled[name] / whole if whole else 1.0
-    return {name: max((whole - small) * share + large, 0.0)}
-
-
-def _holding(model: Model, effect: ScaleEffect) -> list[str]:
-    return [term.name for term in model.terms.terms if term.scale_effect is effect]
-
-
 NOT_SCALED = {
-    ScaleEffect.FRICTION: "The friction in {} does not follow Froude's law: a ship has less than this (give a form "
-    "factor).",
+    ScaleEffect.FRICTION: "The friction in {} does not follow Froude's law: a ship has less than this.",
     ScaleEffect.CROSSFLOW_DRAG: "The drag of crossflow in {} depends on the Reynolds number, which differs.",
     ScaleEffect.WAKE: "A ship's wake is thinner than its model's, and its propeller is loaded less; neither is "
     "corrected here.",
@@ -186,12 +137,12 @@ NOT_SCALED = {
 }
 
 
-def _scale_notes(model: Model, by_line: bool) -> tuple[str, ...]:
-    held = {effect: " and ".join(_holding(model, effect)) for effect in ScaleEffect}
-    notes = [
-        words.format(held[effect]) for effect, words in NOT_SCALED.items()
-        if held[effect] and not (by_line and effect is ScaleEffect.FRICTION)
-    ]  # fmt: skip
+def _scale_notes(model: Model) -> tuple[str, ...]:
+    held = {
+        effect: " and ".join(term.name for term in model.terms.terms if term.scale_effect is effect)
+        for effect in ScaleEffect
+    }
+    notes = [words.format(held[effect]) for effect, words in NOT_SCALED.items() if held[effect]]
     if held[ScaleEffect.TEST_SPEED] and (pair := model.data_range.speed):
         notes.append(
             f"{held[ScaleEffect.TEST_SPEED]} hold parts proportional to the speed of the tests, {pair[0]:.3g} to "
@@ -260,29 +211,6 @@ def nondimensional(model: Model, system: System = "prime2", speed: float | None 
     """
     units = units_of(model.configuration, system, speed)
     return {n: v / units.factor(model.terms[n].dimension) for n, v in model.coefficients.items()}
-
-
-def dimensional(
-    numbers: Mapping[str, float], model: Model, system: System = "prime2", speed: float | None = None
-) -> Model:
-    """Return a model from nondimensional coefficients.
-
-    Raises an InputError if the system is unknown, lacks a speed, or a coefficient is missing or unknown.
-
-    Parameters
-    ----------
-    numbers : mapping of str to float [1]
-        The coefficients.
-    model : Model
-        Model with the ship, the terms and all else; its own coefficients are replaced.
-    system : str
-        ``prime1``, ``prime2`` or ``bis``.
-    speed : float [m/s], optional
-        Speed for the prime systems.
-    """
-    units = units_of(model.configuration, system, speed)
-    known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
-    return replace(model, coefficients=Coefficients({**numbers, **known}), covariance=None)
 
 
 def name_at_scale(name: str, ratio: float) -> str:

@@ -39,10 +39,6 @@ class Operations(BaseResult):
         """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine, in SI."""
         return narrows.derivative(self, state, **given)
 
-    def step(self: Any, state: Any, dt: float, **given: Any) -> np.ndarray:
-        """Return x, y, psi, u, v, r, (6,), one step ``dt`` [s] of the engine later."""
-        return narrows.step(self, state, dt, **given)
-
     def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
         """Linearise the motion about a steady course at y [m] and u [m/s], to a ``LinearSystem``."""
         return narrows.control.linearize(self, *at, **options)

@@ -1,6 +1,7 @@
 """Water around a moving ship: squat by formulas, sinkage, the speed that chokes the section; mass and added mass."""
 
 import inspect
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
@@ -269,6 +270,11 @@ def displacement(configuration: Configuration) -> float:
 def wetted_surface(ship: Ship) -> float:
     """Return the wetted surface of a hull by Denny and Mumford's formula [m2]."""
     return ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
+
+
+def ittc57(reynolds: float) -> float:
+    """Return the frictional resistance coefficient of the ITTC's line of 1957 [1]."""
+    return 0.075 / (math.log10(reynolds) - 2) ** 2
 
 
 def ship_mass(configuration: Configuration) -> float:

@@ -22,7 +22,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.colours import BLUE, DASHES, GREEN, GREY, ORANGE, PURPLE
 from narrows.report.style import FONT, GIVEN, WIDTH, headed, notes_below, panels, titled
-from narrows.simulation.ensemble import grounding_distance, grounding_probability, map_summary
+from narrows.simulation.ensemble import grounding_probability, map_summary
 from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
@@ -171,7 +171,7 @@ def distances_figure(reproduced: Reproduction) -> Figure:
     edge = (configuration.canal.width - configuration.ship.beam) / 2
     looks = zip(COLOURS, ("-", "--", "-.", ":"), strict=True)
     for (name, voyages), (colour, style) in zip(reproduced.readings.items(), looks, strict=False):
-        distance = grounding_distance(voyages)
+        distance = voyages["distance"].where(voyages["grounded"])
         axes.plot(edge - distance["y"], distance, color=colour, linestyle=style, label=name)
         axes.plot(edge - distance["y"], distance.where(voyages["side"] > 0), color=colour, linewidth=4, alpha=0.5)
     axes.set(ylabel="distance to grounding [m]")
@@ -211,7 +211,10 @@ def map_figure(
     start : mapping of str to number, optional
         Fixed quantities: u [m/s], psi [rad] and the like, for the title.
     """
-    quantity = grounding_distance(voyages) if within is None else grounding_probability(voyages, within)
+    if within is None:
+        quantity = voyages["distance"].where(voyages["grounded"]).assign_attrs(long_name="distance to grounding")
+    else:
+        quantity = grounding_probability(voyages, within)
     if within is None and "sample" in quantity.dims:
         quantity = quantity.median("sample", keep_attrs=True)
         voyages = voyages.isel(sample=0)

@@ -11,10 +11,8 @@ from .derivative import derivative as derivative
 from .derivative import eigenvalues as eigenvalues
 from .derivative import jacobian as jacobian
 from .derivative import stability as stability
-from .derivative import step as step
 from .ensemble import Fleet as Fleet
 from .ensemble import ensemble as ensemble
-from .ensemble import grounding_distance as grounding_distance
 from .ensemble import grounding_probability as grounding_probability
 from .outcome import Outcome as Outcome
 from .sensitivities import Sensitivities as Sensitivities

@@ -10,14 +10,14 @@ import xarray as xr
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.base.results import BaseResult
-from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.free_motion import INPUTS, Surge
 from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.ship.checks import check_angles
 from narrows.simulation.grid import grid_of
-from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions, initial_state
-from narrows.simulation.inputs import START, counted_heading, finite_numbers
+from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions
+from narrows.simulation.inputs import START, finite_numbers
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
 
@@ -53,36 +53,6 @@ def derivative(
     at = {name: np.asarray(value, float) for name, value in state_of(state).items()}
     rates = ship.rates(ship.values(**positions), {**at, "X": X, "Y": Y, "N": N})
     return np.stack(np.broadcast_arrays(*(rates[name] for name in POSE)))
-
-
-@accept_aliases
-def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
-    """Return x, y, psi, u, v, r one step of the engine later, by the Runge-Kutta method of order 4.
-
-    Raises an InputError if the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
-
-    Parameters
-    ----------
-    model, state, dt : Model, sequence or mapping, float [s]
-        As for ``derivative``; the length of the step.
-    **given : Any
-        As for ``derivative``, but floats only.
-
-    Examples
-    --------
-    >>> round(float(nw.step(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0), dt=0.1)[0]), 3)
-    0.1
-    """
-    options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
-    ship = SimulatedShip(model, **options)
-    pushes = {INPUTS[force]: given.pop(force, 0.0) for force in FORCES}
-    check_positions(given, ship)
-    known = finite_numbers(**state_of(state), **given)
-    finite_numbers(**pushes, dt=dt)
-    integrator, start = initial_state(ship, None, known, None, any(pushes.values()))
-    integrator.set(**pushes)
-    x, y, cosine, sine, *velocities = integrator.stepped(start, dt)[0][: len(STATE)]
-    return np.array([x, y, counted_heading(cosine, sine, known["psi"]), *velocities])
 
 
 def state_of(state: Any) -> dict[str, Number]:

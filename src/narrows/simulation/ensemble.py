@@ -197,22 +197,6 @@ def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
     return outside_notes(run.ship.model.data_range, moments, beyond)
 
 
-def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
-    """Return the distance along the canal to the grounding [m], NaN if there is none.
-
-    Parameters
-    ----------
-    voyages : Fleet
-
-    Examples
-    --------
-    >>> float(nw.grounding_distance(nw.ensemble(model, y=[0.5], u=1.0))[0].round(1))
-    11.2
-    """
-    distance = voyages["distance"].where(voyages["outcome"] == Code.GROUNDED)
-    return distance.assign_attrs(units="m", long_name="distance to grounding")
-
-
 def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sample") -> xr.DataArray:
     """Return the share of samples that ground within a distance [1].
 
@@ -241,7 +225,7 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
 
 def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
     outcome, side = voyages["outcome"].to_numpy(), voyages["side"].to_numpy()
-    distance = grounding_distance(voyages).to_numpy()
+    distance = voyages["distance"].where(outcome == Code.GROUNDED).to_numpy()
     count = {code.name.lower(): int((outcome == code).sum()) for code in Code}
     sides = {"starboard": int((side > 0).sum()), "port": int((side < 0).sum())}
     near, left = (float(np.nanmin(distance)) if count["grounded"] else None), count["astern"] + count["passed"]

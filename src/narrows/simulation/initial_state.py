@@ -38,7 +38,6 @@ class Row(NamedTuple):
     t: float  # Time [s]
     state: State  # State from step to step
     ahead: float = 0.0  # Length of the step that begins here [s]
-    order: float = 0.0  # Order of a controller of Python in it [rad]
     whole: bool = True  # False within a step that was cut short, where a contact is located
 
 
@@ -136,7 +135,7 @@ class VoyageIntegrator:
             t, left, done = begun + control[event.CLOCK] + done * length, left - 1, done + 1
             self._ask(t, state)
             after, clearance, _ = self.stepped(state, length)
-            row, sane = Row(t, state, length, self._step_inputs[self._order], not within), self.sane(after, clearance)
+            row, sane = Row(t, state, length, not within), self.sane(after, clearance)
             if self._exact and sane and (clearance <= 0 or trying):
                 clearance = self._from_banks(after)[0]
             clear = sane and event.clearance_left(clearance, before, leaves) > 0
@@ -171,20 +170,6 @@ class VoyageIntegrator:
         x, y, cosine, sine, u, v, r = state[:7]
         seen = VoyageState(x, y, math.atan2(sine, cosine), u, v, r, state[self.choices.kept.index("rudder")])
         self._step_inputs[self._order] = float(self.order(t, seen))
-
-    def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
-        """Return the voyage at requested times, each by a share of its step."""
-        interpolated, index = [], 0
-        for time in times:
-            while index < len(rows) - 1 and rows[index + 1].t <= time:
-                index += 1
-            row = rows[index]
-            if time <= row.t or not row.ahead:
-                interpolated.append(Row(time, row.state))
-                continue
-            self._step_inputs[self._order] = row.order if self.order else self._step_inputs[self._order]
-            interpolated.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
-        return interpolated
 
 
 def track_error(integrator: VoyageIntegrator, rows: Sequence[Row], dt: float) -> float:

@@ -86,19 +86,6 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
     return longest, step
 
 
-def check_times(at: object, duration: object = None) -> list[float]:
-    try:
-        times = list(at)  # type: ignore[call-overload]
-    except (TypeError, ValueError):
-        raise InputError(f"at = {shown(at)}: give rising output times after 0 s") from None
-    times = [time for time in (_finite("at", time) for time in times) if time > 0]
-    if not times or sorted(set(times)) != times:
-        raise InputError("at: give rising output times after 0 s")
-    if duration is not None and times[-1] > (longest := _finite("duration", duration)):
-        raise InputError(f"at: {times[-1]:g} s lies beyond the duration of {longest:g} s; lengthen it")
-    return times
-
-
 def check_workers(workers: object) -> None:
     if workers is not None:
         check_count("workers", workers, 1, MOST_WORKERS)

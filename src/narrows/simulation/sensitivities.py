@@ -119,8 +119,6 @@ def sensitivities(
     >>> slopes.voyage.grounded
     False
     """
-    if "at" in voyage:
-        raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")
     names = tuple(by) or model.terms.names
     sailed = simulate(model, y, u, duration, dt, **voyage)
     integrator = TangentIntegrator.of(model, names, {"y": y, "u": float(sailed.u[0]), **voyage})

@@ -1,6 +1,6 @@
 """One voyage: its track, and where, when and on which side the ship grounds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -160,9 +160,8 @@ def simulate(
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
     X: inputs.Schedule = 0.0, Y: inputs.Schedule = 0.0, N: inputs.Schedule = 0.0, rudder: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: inputs.Contact | Points = "corners", at: Sequence[float] | None = None,
-    waterway: "Waterway | None" = None, controller: Any = None, hold: float | None = None, bottom: bool = True,
-    **positions: float,
+    contact: inputs.Contact | Points = "corners", waterway: "Waterway | None" = None, controller: Any = None,
+    hold: float | None = None, bottom: bool = True, **positions: float,
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
@@ -177,9 +176,9 @@ def simulate(
     u : float [m/s], optional
         Surge velocity at the start; the default suits the ship: within the tested range, and below choking.
     duration : float [s], optional
-        Longest duration; default: the last of ``at``, or the time of 15 ship lengths.
+        Longest duration; default: the time of 15 ship lengths.
     dt : float [s], optional
-        Step, and the spacing of the output without ``at``; default: a 200th of the time of a ship length.
+        Step, and the spacing of the output; default: a 200th of the time of a ship length.
     x, psi, v, r : float [m, rad, m/s, rad/s]
         Place along the canal, heading, sway velocity and yaw rate at the start.
     X, Y, N : float or pairs [N, N, N m]
@@ -193,8 +192,6 @@ def simulate(
         Add the rigid body's Coriolis force; damping fitted at one speed already contains it.
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` (paper), an outline (forward, starboard); ``none``: open water.
-    at : sequence of float [s], optional
-        Output times; they do not change the voyage.
     waterway : Waterway, optional
         Waterway instead of the model's own canal: x is along its line, y to starboard of it, psi relative to it, u and
         v through the water; the voyage ends at its end.
@@ -213,12 +210,10 @@ def simulate(
     Grounded to port after 11.79 s and 11.16 m along the canal, at 1.01 m/s, heading -27.1 deg.
     """
     inputs.check_waterway(waterway)
-    times = None if at is None else inputs.check_times(at, duration)
     defaults = steps.voyage_defaults(model, None if u is None else [inputs.finite_numbers(u=u)["u"]])
     u = defaults.speed if u is None else u
-    if duration is None:
-        duration = times[-1] if times else defaults.duration
-    duration, dt = inputs.check_steps(duration, defaults.dt if dt is None else dt, MOST_ROWS)
+    duration, dt = defaults.duration if duration is None else duration, defaults.dt if dt is None else dt
+    duration, dt = inputs.check_steps(duration, dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     pushes = inputs.segments_of(X, Y, N, duration)
     steps.check_positions(positions, ship)
@@ -240,8 +235,6 @@ def simulate(
         if ending != event.FINISHED:
             break
     shown = [row for row in rows if row.whole]
-    if times is not None:
-        shown = [*integrator.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
     propeller = steps.propeller_notes(model, u, positions.get(PROPELLER.name), steering)
     log = _Log(ship, integrator, rows, ending, float(psi), float(rudder), propeller)
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
