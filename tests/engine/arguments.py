@@ -220,10 +220,6 @@ class Table:
                 {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02)},
                 {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), **FORCES, **FREE},
             ),
-            "step": Entry(
-                {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02), "dt": 0.1},
-                {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), "dt": 0.2, **FORCES, **FREE},
-            ),
             "latex": Entry(
                 {"table": nw.PAPER},
                 {"table": nw.SPEED, "coefficients": paper().coefficients, "forces": ("X",)},
