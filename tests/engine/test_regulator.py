@@ -9,7 +9,7 @@ import control
 import numpy as np
 import pytest
 import xarray as xr
-from cases import bent, mmg, paper, steered, waterway_for
+from cases import bent, mmg, paper, steered
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -312,19 +312,6 @@ def test_lines_may_vary_over_a_fleet() -> None:
     )
     fleet = nw.ensemble(model, y=0.05, u=1.0, duration=30.0, dt=0.1, controller=replace(laws[0], lines=(both,)))
     np.testing.assert_allclose(fleet["y_end"], offsets, atol=0.03)
-
-
-def test_gains_along_the_way_are_those_of_each_place() -> None:
-    model, waterway = steered(), waterway_for("steered")
-    places = (0.0, waterway.line.length / 2)
-    scheduled = regulator(model, 0.0, 1.0, waterway=waterway, at=places)
-    assert scheduled.along
-    for place, line in zip(places, scheduled.lines, strict=True):
-        alone = regulator(model, 0.0, 1.0, waterway=waterway, at=place).lines[0]
-        assert line.start == place
-        np.testing.assert_allclose(line.gains, alone.gains)
-    with pytest.raises(nw.InputError, match="give one of the two"):
-        regulator(model, [(0.0, 0.0), (5.0, 0.1)], 1.0, waterway=waterway, at=places)
 
 
 def test_a_law_of_ones_own_orders_revolutions_of_a_fleet_as_of_one_ship() -> None:

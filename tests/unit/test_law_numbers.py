@@ -80,13 +80,12 @@ def test_the_turn_ahead_moves_course_drift_and_rudder() -> None:
     assert orders["rudder"] == pytest.approx(there[LAST_ORDER], abs=1e-12)
 
 
-def test_lines_hold_from_their_time_or_place_on() -> None:
+def test_lines_hold_from_their_time_on() -> None:
     lines = tuple(replace(LINE, y=float(y), start=float(start)) for y, start in ((0, 0), (5, 30), (9, 60)))
-    by_time, by_place = (Regulator(lines, 2.0, LEAD, 20.0, along=along) for along in (False, True))
+    by_time = Regulator(lines, 2.0, LEAD, 20.0)
     for now, y in ((-1.0, 0.0), (29.9, 0.0), (30.0, 5.0), (59.9, 5.0), (60.1, 9.0)):
         memory = {"integral": 0.0, LAST_ORDER: 0.0}
         rest = {"psi": 0.0, "u": 2.0, "v": 0.0, "r": 0.0, "y": 7.0, "dt": 0.01}
         kept = by_time.orders(observed(by_time, memory, t=now, **rest))[1]["integral"]
-        along = by_place.orders(observed(by_place, memory, x=now + 1e-9, **rest))[1]["integral"]
         free = Regulator((replace(LINE, y=y),), 2.0, LEAD, 20.0)
-        assert kept == along == free.orders(observed(free, memory, **rest))[1]["integral"]
+        assert kept == free.orders(observed(free, memory, **rest))[1]["integral"]

@@ -73,7 +73,7 @@ class HeldLine:
     v: Any = 0.0  # Its sway velocity [m/s]
     # Change of the course's heading, sway velocity and rudder per yaw rate of the waterway [s, m, s]
     turning: tuple[Any, ...] = (0.0, 0.0, 0.0)
-    start: float = 0.0  # Time [s] or place [m] from which it is held; the first line also holds before
+    start: float = 0.0  # Time from which it is held; the first line also holds before [s]
 
     def __post_init__(self) -> None:
         if len(self.gains) != len(FEEDBACK) or len(self.turning) != len(TURNED):
@@ -93,19 +93,16 @@ class Regulator(BaseSummary):
     added to the course. If the gear cannot follow, the integral is reduced to an attainable value (anti-windup).
     """
 
-    lines: Sequence[HeldLine]  # The line to hold, or several, each from its own time or place on
+    lines: Sequence[HeldLine]  # The line to hold, or several, each from its own time on
     u: Any  # Design surge velocity [m/s]
     lead: Any  # Time that it looks ahead for bends of a waterway [s]
     unwinding: Any  # Time in which the integral is reduced if the gear is at a limit [s]
     integral: Any = 0.0  # Integral of the offset at the start [m s]
-    along: bool = False  # True if lines are held from a place along the way on, instead of a time
 
     def __post_init__(self) -> None:
         starts = [line.start for line in self.lines]
         if not starts or any(after <= before for before, after in pairwise(starts)):
-            raise InputError(
-                "a regulator holds one line or more, each from a later time or place than the one before; give them"
-            )
+            raise InputError("a regulator holds one line or more, each from a later time than the last; give them")
         own = [self.u, self.lead, self.unwinding, self.integral, *starts]
         numbers = [*own, *(number for line in self.lines for number in line.numbers().values())]
         if not all(np.isfinite(number).all() for number in numbers):
@@ -154,15 +151,15 @@ class Regulator(BaseSummary):
     def _now(self, at: Any, name: str) -> Any:
         value = getattr(at, f"{name}_0")
         for index in range(1, len(self.lines)):
-            begun = (at.x if self.along else at.t + ORDER_TOLERANCE * at.dt) - getattr(at, f"start_{index}")
+            begun = at.t + ORDER_TOLERANCE * at.dt - getattr(at, f"start_{index}")
             value = choice(begun, getattr(at, f"{name}_{index}"), value)
         return value
 
 
 @accept_aliases
 def regulator(
-    model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None,
-    at: float | Sequence[float] = 0.0, weights: RegulatorWeights = DEFAULT_WEIGHTS, **values: float,
+    model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None, at: float = 0.0,
+    weights: RegulatorWeights = DEFAULT_WEIGHTS, **values: float,
 ) -> Regulator:  # fmt: skip
     """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate.
 
@@ -177,29 +174,22 @@ def regulator(
         A model with terms of a rudder; its surge velocity through the water.
     y : float or pairs (time [s], offset [m])
         Offset to starboard of the canal's centreline or of the waterway's line; each pair holds from its time on.
-    waterway, at : Waterway, float or sequence of float [m], optional
-        Waterway instead of the model's own canal, and the place along it for which the gains are computed; with
-        several, rising, each holds from its place on.
+    waterway, at : Waterway, float [m], optional
+        Waterway instead of the model's own canal, and the place along it for which the gains are computed.
     weights : RegulatorWeights
         Weights of the cost.
     **values : float [SI]
         As for ``linearize``.
     """
     check_rudder(model)
-    about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
     try:
         pairs = [(float(time), float(offset)) for time, offset in y] if np.ndim(y) else [(0.0, y)]
     except (TypeError, ValueError):
         raise InputError("the line to hold is an offset [m], or pairs of time [s] and offset; mend it") from None
-    if isinstance(at, Sequence | np.ndarray):
-        if np.ndim(y):
-            raise InputError("y changes in time and the gains change along the way; give one of the two")
-        courses = [(place, about(y=y, at=place)) for place in at]
-    else:
-        courses = [(time, about(y=offset, at=at)) for time, offset in pairs]
-    lines = tuple(held_line(model, linear, start, weights) for start, linear in courses)
+    about = partial(linearize, model, u=u, waterway=waterway, at=at, surge="held", **values)
+    lines = tuple(held_line(model, about(y=offset), time, weights) for time, offset in pairs)
     passing = model.configuration.ship.length / u
-    return Regulator(lines, u, settings.LEAD_TIME * passing, weights.unwinding_time * passing, along=np.ndim(at) > 0)
+    return Regulator(lines, u, settings.LEAD_TIME * passing, weights.unwinding_time * passing)
 
 
 def held_line(
