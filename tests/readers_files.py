@@ -40,7 +40,7 @@ def write(folder: Path) -> None:
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
     write_area(folder / "fairway.geojson", [*at(30.0, 100.0), *reversed(at(-45.0, 100.0)), at(30.0, 100.0)[0]])
-    write_kml(folder / "banks.kml", {"right": at(30.0), "left": at(-45.0)})
+    write_kml(folder / "banks.kml", {"axis": at(0.0), "right": at(30.0), "left": at(-45.0)})
     write_chart(folder / "1W7RH001.000")
     write_laboratory(folder)
     shutil.copy(Path(__file__).parents[1] / "examples" / "waterway.geojson", folder / "bend.geojson")

@@ -230,9 +230,9 @@ def test_a_current_without_a_waterway_is_refused(cli) -> None:
     [
         ({"features": None}, "not a GeoJSON FeatureCollection"),
         ({"features": ["a"]}, "not a GeoJSON FeatureCollection"),
-        ({"depth": "deep"}, "is not a number or one for each point"),
-        ({"depth": True}, "is not a number or one for each point"),
-        ({"depth": {"a": 1}}, "is not a number or one for each point"),
+        ({"depth": "deep"}, "is not a number; for several"),
+        ({"depth": True}, "is not a number; for several"),
+        ({"depth": {"a": 1}}, "is not a number; for several"),
     ],
 )
 def test_files_that_cannot_be_are_named(tmp_path: Path, change: dict, said: str) -> None:

@@ -29,7 +29,7 @@ def collection(longitude: float = 32.5, latitude: float = 30.0) -> dict[str, Any
         return {"type": "Feature", "properties": {"role": role, **more}, "geometry": geometry}
 
     features = [
-        feature("centreline", 0.0, depth=[20.0, 21.0, 22.0, 21.0, 20.0]),
+        feature("centreline", 0.0, depth=20.0),
         feature("starboard", 100.0, profile=PROFILE),
         feature("port", -90.0),
     ]
@@ -140,7 +140,7 @@ def test_texts_that_are_no_geojson_are_refused(tmp_path: Path, name: str) -> Non
         (("features", 1, "properties", "profile"), [], "starboard bank \\[\\] needs two points"),
         (("features", 1, "properties", "profile", 1), [30.0, -1.0], "none below the bottom"),
         (("features", 0, "properties", "depth"), 1e308, "is deeper than any sea"),
-        (("features", 0, "properties", "depth", 2), [[]], "is not a number or one for each point"),
+        (("features", 0, "properties", "depth"), [20.0, [[]]], "is not a number; for several"),
         (("features", 0, "geometry", "type"), "Polygon", "the centreline is a 'Polygon'; make it a LineString"),
     ],
 )

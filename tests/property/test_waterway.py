@@ -307,17 +307,6 @@ def test_a_canal_from_longitude_and_latitude(tmp_path: Path) -> None:
     assert way.with_water(level=-1.0).canal(500.0).depth == 23.0
 
 
-@pytest.mark.parametrize(("centreline", "depth"), [({}, 11.0), ({"depth": 24.0}, 24.0)], ids=["banks", "centreline"])
-def test_a_depth_of_the_banks_counts_where_the_centreline_has_none(
-    tmp_path: Path, centreline: dict, depth: float
-) -> None:
-    """That of the shallower bank."""
-    told = collection()
-    for one, own in zip(told["features"], (centreline, {"depth": 12.0}, {"depth": 11.0}), strict=True):
-        one["properties"] = {"role": one["properties"]["role"], **own}
-    assert float(nw.read_waterway(saved(tmp_path, told)).section(1000.0).depth) == depth
-
-
 def test_a_map_of_voyages_in_a_waterway(tmp_path: Path, cli) -> None:
     """By name and by function; starts along it vary too."""
     path = tmp_path / "canal.geojson"
@@ -371,12 +360,7 @@ SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
             "port bank crosses",
         ),
         (collection(port=feature("port", BESIDE[5:15])), "draw it along the whole"),
-        (collection(centreline=feature("centreline", LINE, depth=[24.0] * 5)), "21 points and 5 depths"),
-        (
-            collection(centreline=feature("centreline", LINE, depth=[24.0] * 10 + [None] + [24.0] * 10)),
-            "no depth of water at 9",
-        ),
-        ({**collection(), "crs": {"properties": {"name": "EPSG:22992"}}}, "convert them to WGS84"),
+        ({**collection(), "crs": {"properties": {"name": "EPSG:22992"}}}, "save the map in WGS84"),
     ],
 )
 def test_bad_geometry_is_named_with_its_place(tmp_path: Path, what: object, said: str) -> None:

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyproj
 import pytest
 
 import narrows as nw
 from narrows.waterway import Centreline
-from narrows.waterway.map_lines import from_utm, unprojected
+from narrows.waterway.map_lines import unprojected
 
 ORIGIN = np.array([7.6, 52.0])
 NORTH = np.linspace(0.0, 4000.0, 41)
@@ -19,7 +18,6 @@ AXIS = Centreline(np.stack([400 * np.sin(NORTH / 1200), NORTH], axis=1))
 PLACES = np.linspace(0.0, AXIS.length, 81)
 STARBOARD, PORT = AXIS.at(PLACES, 80.0), AXIS.at(PLACES, -70.0)
 SHORT = AXIS.at(np.linspace(0.05, 0.95, 60) * AXIS.length, 80.0)
-UTM_32 = pyproj.Transformer.from_crs(4326, 32632, always_xy=True)
 
 Points = Callable[[np.ndarray], Any]
 
@@ -28,8 +26,8 @@ def degrees(points: np.ndarray) -> Any:
     return unprojected(points, ORIGIN).tolist()
 
 
-def utm(points: np.ndarray) -> Any:
-    return np.stack(UTM_32.transform(*unprojected(points, ORIGIN).T), axis=1).tolist()
+def metres(points: np.ndarray) -> Any:
+    return (points + np.array([5e5, 5.7e6])).tolist()
 
 
 def feature(points: np.ndarray, written: Points = degrees, kind: str = "LineString", **properties: str) -> dict:
@@ -43,23 +41,22 @@ def placemark(points: np.ndarray, name: str) -> str:
 
 
 IN_UTM = {"crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::32632"}}}
-ROLES = {"centreline": AXIS.points, "starboard": STARBOARD, "port": PORT}
+MIDDLE = feature(AXIS.points, name="axis")
 MAPS = {
-    "left and right": [feature(PORT, name="left bank"), feature(STARBOARD, name="Right Bank")],
-    "right drawn backwards": [feature(STARBOARD[::-1], side="right"), feature(PORT, side="left")],
-    "two lines without a word": [feature(PORT), feature(STARBOARD)],
-    "three lines without a word": [feature(STARBOARD), feature(AXIS.points), feature(PORT)],
-    "German": [feature(PORT, Name="linkes Ufer"), feature(STARBOARD, Name="rechtes Ufer")],
-    "with heights": [feature(PORT, lambda points: [[*one, 3.0] for one in degrees(points)], name="left"),
+    "left and right": [MIDDLE, feature(PORT, name="left bank"), feature(STARBOARD, name="Right Bank")],
+    "right drawn backwards": [MIDDLE, feature(STARBOARD[::-1], side="right"), feature(PORT, side="left")],
+    "with heights": [MIDDLE, feature(PORT, lambda points: [[*one, 3.0] for one in degrees(points)], name="left"),
                      feature(STARBOARD, name="right")],
-    "pieces of each bank": [feature(PORT[:41], side="left"), feature(STARBOARD[50:], side="right"),
+    "pieces of each bank": [MIDDLE, feature(PORT[:41], side="left"), feature(STARBOARD[50:], side="right"),
                             feature(PORT[:39:-1], side="left"), feature(STARBOARD[:51], side="right")],
-    "pieces without a word": [feature(PORT[:41]), feature(PORT[40:]), feature(STARBOARD[50:]), feature(STARBOARD[:51])],
-    "several lines in one": [{"type": "Feature", "properties": {}, "geometry": {
-        "type": "MultiLineString", "coordinates": [degrees(PORT), degrees(STARBOARD)]}}],
-    "points twice": [feature(np.repeat(PORT, 2, axis=0)), feature(np.repeat(STARBOARD, 2, axis=0))],
+    "several lines in one": [MIDDLE, feature(PORT, name="left"), {
+        "type": "Feature", "properties": {"name": "right"}, "geometry": {
+            "type": "MultiLineString", "coordinates": [degrees(STARBOARD[:51]), degrees(STARBOARD[50:])]}}],
+    "points twice": [MIDDLE, feature(np.repeat(PORT, 2, axis=0), name="left"),
+                     feature(np.repeat(STARBOARD, 2, axis=0), name="right")],
     "buoys and nothing": [
-        feature(PORT), feature(STARBOARD), {"type": "Feature", "properties": {}, "geometry": None},
+        MIDDLE, feature(PORT, name="left"), feature(STARBOARD, name="right"),
+        {"type": "Feature", "properties": {}, "geometry": None},
         {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7.6, 52.0]}}],
     "a bank 5 % short at either end": [feature(AXIS.points, role="axis"), feature(SHORT, role="right"),
                                        feature(PORT, role="left")],
@@ -85,7 +82,7 @@ def _about(place: np.ndarray, waterway: nw.Waterway) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> None:
+def test_lines_are_told_by_word(name: str, tmp_path: Path, cli) -> None:
     path, out = tmp_path / "map.geojson", tmp_path / "canal.geojson"
     path.write_text(json.dumps({"type": "FeatureCollection", "features": MAPS[name]}), encoding="utf-8-sig")
     code, text, err = cli("waterway", path, "--depth", "16", "-o", out)
@@ -94,22 +91,17 @@ def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> 
     assert ("beyond, its distance is assumed constant" in " ".join(text.split())) == ("short" in name)
 
 
-def test_utm_far_beyond_its_zone_is_no_place() -> None:
-    assert np.isinf(from_utm(1e12, 1e7, 32, south=False)).all()
-
-
-def test_utm_is_read(tmp_path: Path, cli) -> None:
-    path, out = tmp_path / "utm.geojson", tmp_path / "canal.geojson"
-    features = [feature(points, utm, role=role) for role, points in ROLES.items()]
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": features, **IN_UTM}))
-    assert cli("waterway", path, "--depth", "16", "-o", out)[0] == 0
-    check(nw.read_waterway(out))
+def test_utm_is_answered_with_the_command_that_converts_it(tmp_path: Path) -> None:
+    path = tmp_path / "utm.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": [feature(PORT, metres)], **IN_UTM}))
+    with pytest.raises(nw.InputError, match=r"32632.*ogr2ogr -t_srs EPSG:4326 wgs84.geojson utm.geojson"):
+        nw.read_waterway(path)
 
 
 def test_kml_is_read(tmp_path: Path, cli) -> None:
     pytest.importorskip("pyogrio")
     path, out = tmp_path / "banks.kml", tmp_path / "canal.geojson"
-    lines = placemark(PORT, "left") + placemark(STARBOARD, "right")
+    lines = placemark(AXIS.points, "Centreline") + placemark(PORT, "left") + placemark(STARBOARD, "right")
     path.write_text(f'<kml xmlns="http://www.opengis.net/kml/2.2"><Document>{lines}</Document></kml>')
     assert cli("waterway", path, "--depth", "16", "-o", out)[0] == 0
     check(nw.read_waterway(out))
@@ -129,7 +121,6 @@ def test_an_area_is_measured_along_a_line(tmp_path: Path, cli) -> None:
 RING = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
 COMMANDS = {
     "one line": ([feature(AXIS.points)], "--width 300 --depth 16"),
-    "one line with sizes": ([feature(AXIS.points, width=150, depth="16 m")], "--width 150 --depth 16"),
     "an area and its line": ([feature(RING, kind="Polygon"), feature(AXIS.at(PLACES[1:-1]))], "--depth 16"),
 }  # fmt: skip
 
@@ -151,12 +142,13 @@ def test_a_map_without_banks_is_answered_with_the_command_that_reads_it(
 @pytest.mark.parametrize(
     ("features", "told"),
     [
-        ([feature(PORT, utm), feature(STARBOARD, utm)], "Save the map in WGS84"),
+        ([feature(PORT, metres, name="left"), feature(STARBOARD, metres, name="right"),
+          feature(AXIS.points, metres, name="axis")], "Save the map in WGS84"),
         ([feature(AXIS.points, role="axis"), feature(AXIS.at(PLACES[20:], 80.0), role="right"),
           feature(PORT, role="left")], "draw it along the whole of it"),
-        ([feature(PORT), feature(STARBOARD), feature(AXIS.points), feature(AXIS.at(PLACES, 30.0))], "add it"),
+        ([feature(PORT, name="left"), feature(STARBOARD, name="right")], "the property role = centreline; add it"),
     ],
-    ids=["metres", "a short bank", "four lines"],
+    ids=["metres", "a short bank", "two banks alone"],
 )  # fmt: skip
 def test_what_cannot_be_read_is_told_with_the_remedy(features: list, told: str, tmp_path: Path) -> None:
     path = tmp_path / "map.geojson"

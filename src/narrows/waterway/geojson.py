@@ -1,7 +1,7 @@
 """Waterways from GeoJSON in WGS84 and back: a centreline, two bank lines, depths along the centreline."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -13,22 +13,10 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.files import form_of, reading, write_whole
+from narrows.waterway import map_lines
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room
-from narrows.waterway.map_lines import (
-    OTHERS,
-    ROLES,
-    Feature,
-    check_sides,
-    into_degrees,
-    joined,
-    middle_line,
-    origin_of,
-    projected,
-    read_other,
-    roles_by_place,
-    unprojected,
-)
+from narrows.waterway.map_lines import ROLES, Feature, origin_of, projected
 from narrows.waterway.waterway import Waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].
@@ -41,13 +29,11 @@ def read_waterway(path: str | Path, width: float | None = None, depth: float | N
     """Read a waterway, or make one of constant width and depth along a line.
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
-    looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
-    ``depths``: pairs [distance along it, depth], rising [m]; without them a depth of the banks counts. It may have
-    ``current``: its speed at the beginning [m/s], or pairs [distance along it, speed]; and likewise ``current_across``,
-    to starboard [m/s], and ``current_shear``, the rise of the speed to starboard [1/s]. A sloped bank has ``profile``:
-    points [distance beyond its line, height above the bottom], outward [m]. Lines without roles are identified by their
-    place. From two banks the centreline is computed; its direction is that of the first, or has the bank ``left`` to
-    port.
+    looking along the centreline. The centreline may have ``depth``, a number [m], or ``depths``: pairs [distance along
+    it, depth], rising [m]. It may have ``current``: its speed at the beginning [m/s], or pairs [distance along it,
+    speed]; and likewise ``current_across``, to starboard [m/s], and ``current_shear``, the rise of the speed to
+    starboard [1/s]. A sloped bank has ``profile``: points [distance beyond its line, height above the bottom], outward
+    [m].
 
     Raises an InputError if the file is no such collection, a role is missing, coordinates are not longitude and
     latitude, or the geometry is impossible; the sentence names the place.
@@ -55,7 +41,7 @@ def read_waterway(path: str | Path, width: float | None = None, depth: float | N
     Parameters
     ----------
     path : str or Path
-        GeoJSON, longitude before latitude or UTM; or KML, a shapefile, GeoPackage or GML with the extra ``charts``.
+        GeoJSON, longitude before latitude; or KML, a shapefile, GeoPackage or GML with the extra ``charts``.
     width, depth : float [m], optional
         With a width, of a file with the centreline alone; a depth is that of a file without one.
     """
@@ -68,23 +54,16 @@ def read_waterway(path: str | Path, width: float | None = None, depth: float | N
 
 
 def _read(path: str | Path) -> Waterway:
-    found = _lines(read_features(Path(path)), str(path))
-    points = [coordinates(one, f"{path}: the {one.role or 'line'}") for one in found]
+    features = _lines(read_features(Path(path)), str(path))
+    points = {role: coordinates(one, f"{path}: the {role}") for role, one in features.items()}
     try:
-        drawn = next((number for number, one in enumerate(found) if one.role == "centreline"), 0)
-        origin = origin_of(points[drawn])
-        features, metres = _roles(found, [projected(line, origin) for line in points])
-        line = Centreline(metres["centreline"])
-        check_sides(metres)
-        banks = {s: bank_from_points(s, metres[s], line, _profile(features[s])) for s in ROLES[1:]}
-        by_role = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
-        # Without a depth of the centreline that of the shallower bank counts.
-        depths = by_role.get("centreline", min(by_role.values(), key=lambda own: own[1].min(), default=None))
-        water = {name: features["centreline"].properties.get(name) for name in CURRENT}
-        way = Waterway(
-            line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=tuple(origin.tolist())
-        )
-        return way.with_water(**water)
+        origin = origin_of(points["centreline"])
+        lines = {role: projected(line, origin) for role, line in points.items()}
+        line, own = Centreline(lines["centreline"]), features["centreline"].properties
+        map_lines.check_sides(line, lines)
+        starboard, port = (bank_from_points(side, lines[side], line, _profile(features[side])) for side in ROLES[1:])
+        way = Waterway(line, starboard, port, _depths(own, line), name=Path(path).stem, origin=tuple(origin.tolist()))
+        return way.with_water(**{name: own.get(name) for name in CURRENT})
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -164,13 +143,13 @@ def _drawn(bank: Bank, sign: int, line: Centreline) -> np.ndarray:
 
 
 def _feature(role: str, points: np.ndarray, origin: np.ndarray, more: Mapping[str, Any]) -> dict[str, Any]:
-    coordinates = unprojected(points, origin).round(9).tolist()
+    coordinates = map_lines.unprojected(points, origin).round(9).tolist()
     geometry = {"type": "LineString", "coordinates": coordinates}
     return {"type": "Feature", "properties": {"role": role, **more}, "geometry": geometry}
 
 
-def _lines(features: list[Feature], file: str) -> list[Feature]:
-    """The lines of a waterway: those with roles, or all."""
+def _lines(features: list[Feature], file: str) -> dict[str, Feature]:
+    """The lines of a waterway by role."""
     roles = [feature.role for feature in features if feature.role]
     for role in ROLES:
         if roles.count(role) > 1:
@@ -178,28 +157,24 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
     lines, name = [one for one in features if one.geometry.get("type") == "LineString"], quote(file)
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
 
-    def size(key: str, usual: int) -> tuple[str, str]:
-        """A size as the file gives it, or an example, and a note that it is one."""
-        given = [f"{value:g}" for one in lines if (value := metres(one.properties.get(key))) and value > 0]
-        return (given[0], "") if given else (str(usual), f" (here {usual} m, an example: put your own)")
-
-    (width, of_width), (depth, of_depth) = size("width", 300), size("depth", 16)
+    yours = "(the sizes are examples: put your own)"
     if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
         line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
         raise InputError(
-            f"{file}: has an area; {action} and give a depth{of_depth}: narrows waterway {name} --line {line} "
-            f"--depth {depth} -o {written}"
+            f"{file}: has an area; {action} and give a depth {yours}: narrows waterway {name} --line {line} --depth 16 "
+            f"-o {written}"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
         raise InputError(
-            f"{file}: has one line; with a width{of_width} and a depth{of_depth} it is a waterway: "
-            f"narrows waterway --line {name} --width {width} --depth {depth} -o {written}"
+            f"{file}: has one line; with a width and a depth {yours} it is a waterway: "
+            f"narrows waterway --line {name} --width 300 --depth 16 -o {written}"
         )
     if not features:
-        raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth), or two banks")
-    if set(roles) == {"starboard", "port"} and len(lines) == 3:
-        return [one if one.role else one._replace(properties={**one.properties, "role": "centreline"}) for one in lines]
-    return [one for one in features if one.role] or lines
+        raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth) and two banks")
+    for role in ROLES:
+        if role not in roles:
+            raise InputError(f"{file}: no LineString has the property role = {role}; add it")
+    return {feature.role: feature for feature in features if feature.role}
 
 
 def _profile(feature: Feature) -> Any:
@@ -209,43 +184,36 @@ def _profile(feature: Feature) -> Any:
     return tuple(map(tuple, value)) if value and pairs(value) is not None else value
 
 
-def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
-    """Features and points [m] by role: by their property or by their place; a missing centreline is the middle."""
-    roles: Sequence[str | None] = [feature.role for feature in features]
-    roles = (roles_by_place(lines) or roles) if None in roles else roles
-    by_role, metres = dict(zip(roles, features, strict=True)), dict(zip(roles, lines, strict=True))
-    for role in ROLES[1:]:
-        if role not in by_role:
-            raise InputError(
-                f"no LineString has the property role = {role}, and their places do not say which it is; add it"
-            )
-    if "centreline" not in by_role:
-        metres["centreline"], by_role["centreline"] = middle_line(metres["starboard"], metres["port"]), Feature({}, {})
-    return {role: by_role[role] for role in ROLES}, {role: metres[role] for role in ROLES}
-
-
-def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
-    depth, along = feature.properties.get("depth"), feature.properties.get("depths")
-    values = None if depth is None else depths_of(depth, len(line.points))
-    table = None if along is None else depths_along(along)
-    if values is None:
-        return table
+def _depths(own: Mapping[str, Any], line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
+    """Places along a centreline and the depth at each [m]."""
+    depth, along, table = own.get("depth"), own.get("depths"), None
+    if depth is not None and metres(depth) is None:
+        raise InputError(f"the depth of the centreline, {shown(depth)}, is not a number; for several use depths")
+    if along is not None:
+        table = pairs(along, exactly=True)
+        if table is None or not len(table):
+            raise InputError(f"depths = {shown(along)} of the centreline are not pairs of place and depth; mend them")
+        if not (np.diff(table[:, 0]) > 0).all():
+            raise InputError("the depths of the centreline do not rise along it; give places in order, none twice")
+    if depth is None:
+        return None if table is None else (table[:, 0], table[:, 1])
     if table is not None:
         raise InputError("the centreline has both depth and depths; leave one")
-    return (line.stations, values) if values.size > 1 else (np.array([0.0, line.length]), np.repeat(values, 2))
+    return np.array([0.0, line.length]), np.full(2, metres(depth))
 
 
 # Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
 def read_features(path: Path) -> list[Feature]:
     """Return the lines and areas of a map, pieces of a line put together; a line through the points of one without."""
-    if path.suffix.lower() in OTHERS:
-        return joined([part for one in read_other(path) for part in _parts(one)])
+    if path.suffix.lower() in map_lines.OTHERS:
+        return map_lines.joined([part for one in map_lines.read_other(path) for part in _parts(one)])
     if path.suffix.lower() == ".csv":
         raise InputError(f"{path}: is a table, not a map; save its points as a line in GeoJSON or KML")
     with reading(path, "JSON"):
         document = json.loads(path.read_text(encoding="utf-8-sig"))
-        crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
-    features, found = _features_of(document), []
+    kind, found = document.get("type") if isinstance(document, Mapping) else None, []
+    alone = [document if kind == "Feature" else {"geometry": document}]
+    features = alone if kind in ("Feature", "LineString") else document.get("features") if kind else None
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: is not a GeoJSON FeatureCollection; give one with three LineStrings")
     for number, feature in enumerate(features):
@@ -253,23 +221,11 @@ def read_features(path: Path) -> list[Feature]:
             if (value := feature.get(name)) is not None and not isinstance(value, Mapping):
                 raise InputError(f"{path}: feature {number}: its {name} are {shown(value)}, no object; mend them")
         found.append(Feature(feature.get("properties") or {}, feature.get("geometry") or {}))
-    if crs and found:
-        turned = into_degrees(crs, str(path))
-        found = [Feature(one.properties, turned(one.geometry)) for one in found]
+    if found and document.get("crs"):
+        map_lines.check_degrees(json.dumps(document["crs"]), path)
     track = [one.geometry.get("coordinates") for one in found if one.geometry.get("type") == "Point"]
     whole = [Feature({}, {"type": "LineString", "coordinates": track})] * (len(track) == len(found) > 1)
-    return whole or joined([part for one in found for part in _parts(one)])
-
-
-def _features_of(document: Any) -> Any:
-    """The features of a collection, a lone feature or bare geometries as features."""
-    kind = document.get("type") if isinstance(document, Mapping) else None
-    if kind in ("Feature", "FeatureCollection"):
-        return [document] if kind == "Feature" else document.get("features")
-    shapes = document.get("geometries") if kind == "GeometryCollection" else [document]
-    if kind in ("LineString", "MultiLineString", "GeometryCollection") and isinstance(shapes, list):
-        return [{"geometry": shape} for shape in shapes]
-    return None
+    return whole or map_lines.joined([part for one in found for part in _parts(one)])
 
 
 def _parts(feature: Feature) -> list[Feature]:
@@ -298,26 +254,6 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
         hint = "; are these metres? Save the map in WGS84 (EPSG:4326)" if np.abs(first).max() > 1000 else hint
         raise InputError(f"{name} has the point {first[0]:g}, {first[1]:g}, which is no longitude and latitude{hint}")
     return points
-
-
-def depths_of(depth: Any, count: int) -> np.ndarray:
-    """Return the depths of a centreline, (1,) or (count,) [m]: NaN for a missing one."""
-    values = [np.nan if value is None else metres(value) for value in (depth if isinstance(depth, list) else [depth])]
-    if any(value is None for value in values):
-        raise InputError(f"the depth of the centreline, {shown(depth)}, is not a number or one for each point; mend it")
-    if len(values) not in (1, count):
-        raise InputError(f"the centreline has {count} points and {len(values)} depths; give one for each")
-    return np.array(values, float)
-
-
-def depths_along(value: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return places along a centreline and the depth at each [m]."""
-    points = pairs(value, exactly=True)
-    if points is None or not len(points):
-        raise InputError(f"the depths of the centreline, {shown(value)}, are not pairs of place and depth; mend them")
-    if not (np.diff(points[:, 0]) > 0).all():
-        raise InputError("the depths of the centreline do not rise along it; give their places in order, none twice")
-    return points[:, 0], points[:, 1]
 
 
 def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
