@@ -14,6 +14,7 @@ from scipy.special import chdtri
 from narrows.base.errors import InputError, check_count
 from narrows.base.results import BaseResult
 from narrows.control.closed_loop import LawOrders
+from narrows.control.regulator import regulator
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import Sensor, draw_reading
 from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
@@ -168,8 +169,6 @@ def consistency(
     check_steps(duration, 1.0, math.inf)
     first, psi = Estimator(model, sensors, waterway=waterway, **filtering), 0.0
     if controller is None:
-        from narrows.control.regulator import regulator
-
         controller = regulator(model, y, u)
         psi = float(controller.lines[0].psi)
     truth = sail_twins(first.filter, controller, (x, y, u, psi), twins, duration, drawn, excitation, seed)

@@ -96,10 +96,6 @@ class SafeEnvelope(BaseResult):
         """Return where it is safe by the model, tested or not: keel clear, and 95 % of the samples held."""
         return (self.data["held"] >= SURE_SHARE) & self.data["clear"]
 
-    def by_some_helm(self) -> xr.DataArray:
-        """Return where the pilot with the true coefficients makes it safe, tested or not."""
-        return (self.data["known"] >= SURE_SHARE) & self.data["clear"]
-
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return where it is safe, (y, u): by the model, within the tested range, and in a tested section.
 
@@ -167,11 +163,11 @@ class SafeEnvelope(BaseResult):
         """
         top, bottom, likely = self.highest_speed(), self.lowest_speed(), self._speeds(self.safe(MEDIAN), 1)
         at = top.fillna(likely).fillna(self.data["u"][0])
-        here = self.data.sel(u=at)
+        here, by_true = self.data.sel(u=at), (self.data["known"] >= SURE_SHARE) & self.data["clear"]
         columns = {
             "offset": here["y"], "rudder": np.degrees(here["rudder"]), "rudder_95": np.degrees(here["rudder_95"]),
             "held": here["held"], "known": here["known"], "lowest_speed": bottom / KNOT, "highest_speed": top / KNOT,
-            "highest_speed_known": self._speeds(self.by_some_helm() & self._covered, 1) / KNOT,
+            "highest_speed_known": self._speeds(by_true & self._covered, 1) / KNOT,
             "highest_speed_median": likely / KNOT,
         }  # fmt: skip
         return _rows(columns | {"limited_by": self.limited_by()})
