@@ -1,6 +1,6 @@
 """Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, sizes."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -24,11 +24,10 @@ from narrows.waterway import Waterway
 
 
 class Finding(NamedTuple):
-    check: str  # What was looked at, as in ``rudder's sign``
     record: str
+    check: str  # What was looked at, as in ``rudder's sign``
     sentence: str  # What was seen, with its numbers
     remedy: str
-    evidence: Mapping[str, float] = {}
     wrong: bool = True  # Whether it must be mended before a fit; else it is to be looked at
 
 
@@ -88,9 +87,8 @@ class LogFindings(BaseResult):
         }  # fmt: skip
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Give a row for each finding: record, check, whether it is wrong, sentence, remedy."""
-        table = pd.DataFrame(self.findings, columns=Finding._fields)
-        return table[["record", "check", "wrong", "sentence", "remedy"]]
+        """Give a row for each finding: record, check, sentence, remedy, whether it is wrong."""
+        return pd.DataFrame(self.findings, columns=Finding._fields)
 
 
 class Checked(NamedTuple):
@@ -99,8 +97,8 @@ class Checked(NamedTuple):
     waterway: Waterway | None  # Line of x and y
     pace: float  # Time of the way of a ship length [s]
 
-    def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:
-        return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
+    def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True) -> Finding:
+        return Finding(self.record.name, check, sentence, remedy, wrong)
 
 
 def check_clock(at: Checked) -> Iterator[Finding]:
@@ -112,7 +110,7 @@ def check_clock(at: Checked) -> Iterator[Finding]:
             how = f"goes back by up to {worst:.4g} s" if worst > 0 else "stands still"
             yield at.finding(
                 "clock", f"the time of {name} {how}, {int(back.sum())} times, first at t = {first:.6g} s",
-                "sort the log by time; where the clock was set, begin another record there", first=first, back=worst,
+                "sort the log by time; where the clock was set, begin another record there",
             )  # fmt: skip
             return
 
@@ -126,7 +124,7 @@ def check_repeats(at: Checked) -> Iterator[Finding]:
         if np.mean(runs == usual) > settings.REGULAR and usual * signal.step > settings.REPEATED_LENGTHS * at.pace:
             yield at.finding(
                 "repeats", f"{name} is written every {signal.step:.3g} s and changes every {usual * signal.step:.3g} s",
-                "leave repeated values out of the log", repeats=float(usual),
+                "leave repeated values out of the log",
             )  # fmt: skip
 
 
@@ -139,7 +137,6 @@ def check_speed(at: Checked) -> Iterator[Finding]:
             "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}, "
             "which no displacement ship reaches",
             "give the log the model of its own ship's size (nw.scale_model), and positions and speeds in metres",
-            froude=float(froude),
         )  # fmt: skip
 
 
@@ -151,7 +148,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
     if lengths > settings.SELDOM and moves > settings.STILL:
         yield at.finding(
             "sampling", f"the rudder is read every {rudder.step:.3g} s only, or every {lengths:.2g} ship lengths",
-            "record it each second", False, lengths=lengths,
+            "record it each second", wrong=False,
         )  # fmt: skip
     begin, end = rudder.t[longest_run(rudder.values)].tolist()
     confined = at.waterway is not None or at.model.has_bank
@@ -162,7 +159,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
         yield at.finding(
             "rudder", f"the rudder stands still from t = {begin:.6g} s for {still:.3g} ship lengths, in which the "
             f"ship swings {swings} times",
-            "look for another column of it, or for a sensor that fell silent", start=begin, end=end,
+            "look for another column of it, or for a sensor that fell silent",
         )  # fmt: skip
 
 
@@ -197,7 +194,6 @@ def check_place(at: Checked) -> Iterator[Finding]:
         f"and {share:.1%} of the time into one",
         'y counts to port: [positive] y = "port"' if np.nanmean(turned > 0) <= settings.ASHORE else "check the "
         "waterway, the datum of the position, the antenna's place, and whether x and y are along and across it",
-        beyond=float(beyond[worst]), share=share,
     )  # fmt: skip
 
 
@@ -234,7 +230,7 @@ def check_log(
             found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
         except InputError as error:
             words = str(error)
-            found = [Finding("missing", record.name, words.rpartition("; ")[0] or words, MISSING_REMEDY)]
+            found = [Finding(record.name, "missing", words.rpartition("; ")[0] or words, MISSING_REMEDY)]
         findings += found
         if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
             twice = record.name in {other.record.name for other in good}
@@ -255,25 +251,23 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
     setup = log_problem(model, log, sensors, spread=spread)
     grids = list(setup)
     for note in setup.left_out:
-        yield Finding("missing", log.names[0], note.removesuffix("."), MISSING_REMEDY)
+        yield Finding(log.names[0], "missing", note.removesuffix("."), MISSING_REMEDY)
     if not grids:
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
     if held := [
-        Finding("stuck", grid.record.name, f"{name} keeps one value from t = {begin:.6g} to {end:.6g} s while the ship "
-                "moves by all other signals", "leave that time out, or that signal", {"from": begin, "to": end})
+        Finding(grid.record.name, "stuck", f"{name} keeps one value from t = {begin:.6g} to {end:.6g} s while the ship "
+                "moves by all other signals", "leave that time out, or that signal")
         for grid in grids for name, begin, end in stuck(setup.problem, grid)
     ]:  # fmt: skip
         yield from held
     elif best := misreading(setup.problem, grids[: settings.MOST_REREAD]):
         gain, other = best
-        better = f": with it changed, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
         # The model may not follow a record at all that is in another unit.
-        evidence = {"log_likelihood_ratio": gain / 2} if better else {"factor": other.factor}
-        yield Finding(" and ".join(other.signals[:2]), where, other.sentence + better, other.remedy, evidence)
+        better = f": with it changed, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
+        yield Finding(where, " and ".join(other.signals[:2]), other.sentence + better, other.remedy)
     else:
-        gusty = setup.gusts
-        pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
+        pushed = setup if setup.gusts else log_problem(model, log, sensors, spread=spread, gusts=True)
         yield from _tested(setup, pushed, grids, where)
 
 
@@ -284,7 +278,7 @@ def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: s
     scores = learned if pushed is setup else _scores(pushed, list(pushed))
     if not (learned and scores):
         said = "the model cannot follow this log at all: its motion goes to infinity"
-        yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
+        yield Finding(where, "model", said, "look at signs, units and axes, and at the size of the model")
         return
     known = list[int]()
     for _ in range(settings.MOST_HARMLESS):
@@ -328,7 +322,6 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
     of_model = fault.signal == RUDDER and likely < settings.CONTRADICTION
     if of_model:
         said += f", and coefficients still contradict their prior (p < {settings.CONTRADICTION}): it may be the model"
-    evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
     check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
     remedy = f"{cure.format(**words)}; then check again"
-    return Finding(check, test.record, said, remedy, evidence, abs(harm) > settings.HARMFUL_SHIFT and not of_model)
+    return Finding(test.record, check, said, remedy, abs(harm) > settings.HARMFUL_SHIFT and not of_model)
