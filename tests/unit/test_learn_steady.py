@@ -173,10 +173,9 @@ def test_a_leg_that_does_not_fit_the_others_is_named() -> None:
     assert min(found.leg_probabilities, key=found.leg_probabilities.__getitem__) == "5"
 
 
-def test_a_heading_to_the_canal_is_a_drift() -> None:
-    frame = legs().rename(columns={"drift [deg]": "heading [deg]"})
-    found = nw.learn_steady(ship(), frame, conditions=CALM)
-    assert found.coefficients["c_bank"].value == learned().coefficients["c_bank"].value
+def test_a_table_without_drift_is_told_what_to_head_so() -> None:
+    with pytest.raises(nw.InputError, match="no column 'drift', heading less course over ground, or than the canal's"):
+        nw.learn_steady(ship(), legs().rename(columns={"drift [deg]": "heading [deg]"}), conditions=CALM)
 
 
 def test_the_range_in_a_section_that_no_test_had_is_that_of_the_legs() -> None:

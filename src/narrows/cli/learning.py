@@ -32,7 +32,7 @@ PILOT_PAGE = cli.Option(help="Plan steady legs and write the pilot's page: .html
 
 @dataclass(frozen=True)
 class LegOptions:
-    steady: Annotated[Path | None, "Steady legs: a table of y, u, rudder and drift or heading, a row per leg."] = None
+    steady: Annotated[Path | None, "Steady legs: a table of y, u, rudder and drift, a row per leg."] = None
     plan_steady: Annotated[Path | None, PILOT_PAGE] = None
     legs: Annotated[int, "Number of legs to plan, even."] = 4
     y: Annotated[cli.Numbers | None, "Allowed offsets [m] to either side: a,b,c or from:to:count."] = None

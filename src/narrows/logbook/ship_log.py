@@ -229,16 +229,8 @@ class ShipLog(BaseResult):
         return f"{size} together{where}, with {', '.join(self.counts) or 'no signal'}."
 
     def to_dict(self) -> dict[str, Any]:
-        return {
-            "records": {
-                own.name: {"start": own.start, "stop": own.stop, "antenna": list(own.antenna),
-                           "condition": dict(own.condition), "values": {name: len(own[name]) for name in own}}
-                for own in self.records
-            },
-            "waterway": self.waterway.name if self.waterway else None,
-            "signals": {name: SIGNALS[name].unit for name in self.counts},
-            "summary": self.summary(), "notes": list(self.notes),
-        }  # fmt: skip
+        values = {own.name: {name: len(own[name]) for name in own} for own in self.records}
+        return {"summary": self.summary(), "records": values, "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the rows as a table that ``read_log`` reads again: record, t, and a column for each signal."""

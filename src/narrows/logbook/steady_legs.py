@@ -131,7 +131,7 @@ def learn_steady(model: Model, observations: Any, *, conditions: SteadyCondition
     model : Model
         Model of the ship at its own size in the canal of the legs, with a rudder and a covariance.
     observations : DataFrame, mapping of str to array, str or Path
-        A row a leg: y [m], u [m/s], rudder, drift (or heading), and their errors ``y_error`` and so on where they are
+        A row a leg: y [m], u [m/s], rudder, drift, and their errors ``y_error`` and so on where they are
         known; SI and radians unless a header has a unit (``rudder [deg]``).
     conditions : SteadyConditions, optional
         Sizes of wind and zeros, the remaining motion on a leg, and errors that the rows lack.

@@ -7,7 +7,6 @@ has a score and an information matrix, as a record of a log has, and the search 
 """
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,7 +41,7 @@ GIVEN = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
     "revolutions": Quantity("1/s", "of the propeller, for terms that need it"),
 }
-LABEL, HEADING = "leg", "heading"  # A heading to the canal's direction is a drift
+LABEL = "leg"
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
 COLUMNS = {**READ, **GIVEN, **ERRORS}
 
@@ -78,16 +77,14 @@ def steady_readings(table: Any, conditions: "SteadyConditions") -> SteadyReading
     source = Path(table).name if is_file else name_of(table)
     if frame.empty:
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
-    frame = frame.rename(columns=lambda header: re.sub(f"^{HEADING}(?=\\W|_|$)", "drift", str(header)))
     headers, known = list(frame.columns), recognised_in(frame, COLUMNS, source)
-    if [column.quantity for column in known].count("drift") > 1:
-        raise InputError(f"{source}: there are two columns of drift or heading; keep one")
     check_once(known, headers, COLUMNS, source)
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
     for name in READ:
         if name not in columns:
-            wanted = "'drift [deg]' or 'heading [deg]'" if name == "drift" else repr(name)
-            raise InputError(f"{source}: there is no column {wanted}{did_you_mean(name, headers)}")
+            raise InputError(
+                f"{source}: there is no column {name!r}, {READ[name].meaning}{did_you_mean(name, headers)}"
+            )
     stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(conditions, name))) for name in READ}
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
@@ -147,11 +144,6 @@ class SteadyConditions(BeamWind):
     are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.
 
     Raises an InputError where a number is negative or not finite, or the time of a leg or the error of an angle is 0.
-
-    Examples
-    --------
-    >>> nw.SteadyConditions(wind=2.0).wind
-    2.0
     """
 
     wind_change: float = 0.2  #: Change of force and moment of the wind, from leg to leg [1]

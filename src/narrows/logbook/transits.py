@@ -37,11 +37,6 @@ class TransitConditions(BeamWind):
     """Wind and aim of transits, as standard deviations.
 
     Raises an InputError where a number is negative or not finite, a time is 0, or a correlation is more than 1.
-
-    Examples
-    --------
-    >>> nw.TransitConditions(wind=2.0).wind
-    2.0
     """
 
     gust: float = 0.3  #: Force and moment of gusts over those of the wind [1]
