@@ -10,7 +10,7 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.steady_legs import usual_offsets, usual_speeds
-from narrows.logbook.steady_readings import best_pairs, left_over, shared_errors, steady_push
+from narrows.logbook.steady_readings import left_over, shared_errors, steady_push
 from narrows.logbook.transits import (
     TransitConditions,
     TransitPilot,
@@ -223,30 +223,6 @@ def test_the_course_of_a_pilot_is_tabulated_to_either_side(ship: nw.Model) -> No
     np.testing.assert_allclose(y, np.linspace(-0.3, 0.3, 21))
     held = nw.steady_course(ship, y=0.3, u=0.6)
     assert (rudder[-1], psi[-1], v[-1]) == pytest.approx(tuple(float(held[name]) for name in ("rudder", "psi", "v")))
-
-
-def test_pairs_are_those_of_a_greedy_choice_and_one_exchange() -> None:
-    """By variances of two coefficients over those before, computed for every choice."""
-    draw = np.random.default_rng(1)
-    roots = draw.normal(size=(6, 3, 2))
-    pairs, covariance = roots @ roots.swapaxes(1, 2), np.diag([4.0, 9.0, 1.0])
-    names = ("a", "b", "c")
-    model = SimpleNamespace(covariance=covariance, terms=SimpleNamespace(names=names))
-    prior = SimpleNamespace(model=model, regression=np.eye(3), scale=np.array([2.0, 3.0, 1.0]))
-    problem = SimpleNamespace(prior=prior, count=3, precision=np.eye(3))
-
-    def variance(held: list[int]) -> float:
-        after = np.linalg.inv(np.eye(3) + pairs[held].sum(axis=0))
-        return float(after[0, 0] + after[2, 2])
-
-    chosen: list[int] = []
-    for _ in range(3):
-        chosen.append(min(range(6), key=lambda place: variance([*chosen, place])))
-    for k in range(3):
-        others = chosen[:k] + chosen[k + 1 :]
-        chosen[k] = min(range(6), key=lambda place: variance([*others, place]))
-    assert best_pairs(problem, pairs, ("a", "c"), 3) == chosen  # type: ignore[arg-type]
-    assert best_pairs(problem, pairs[:0], ("a",), 3) == []  # type: ignore[arg-type]
 
 
 def canal(ship: nw.Model, width: float, speed: tuple[float, float] | None, depth: float | None = None) -> nw.Model:

@@ -33,7 +33,6 @@ from narrows.logbook.steady_readings import (
     LegProblem,
     SteadyConditions,
     SteadyReadings,
-    best_pairs,
     reading_error,
     shared_errors,
     steady_readings,
@@ -190,7 +189,7 @@ def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float
 class SteadyPlan(Tabulated):
     """Legs to hold, in the order to hold them."""
 
-    #: A row a leg, nearest the middle first; none where none is allowed: ``offset`` to starboard [m], ``side``,
+    #: A row a leg; none where none is allowed: ``offset`` to starboard [m], ``side``,
     #: ``speed`` through the water [kn], 5 %, 50 % and 95 % quantiles of rudder and drift, given the tests
     #: (``rudder_low`` ...) [deg], and standard errors once it is read (``std b_bank`` ...)
     legs: tuple[Mapping[str, Any], ...]
@@ -243,9 +242,9 @@ def plan_steady(
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), conditions: SteadyConditions | None = None,
 ) -> SteadyPlan:  # fmt: skip
-    """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
+    """Choose the offset and speed of steady legs that make some coefficients best known, among those safe to hold.
 
-    Legs come in pairs to either side, since opposite sides cancel wind and zeros. A leg is allowed if in 95 % of the
+    Legs are held to either side in turn, since opposite sides cancel wind and zeros. A leg is allowed if in 95 % of the
     samples of the coefficients the steady rudder leaves a third of its range, the side half a beam to the bank, and the
     keel its clearance. Whether a pilot holds the ship there is a test of ``safe_envelope``.
 
@@ -277,19 +276,23 @@ def plan_steady(
     stated = {name: np.full(len(side), reading_error(conditions, name)) for name in READ}
     readings = SteadyReadings(tuple(map(str, range(len(side)))), dict(zip(READ, medians, strict=True)), stated)
     problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
-    informations = problem.informations()
-    starboard, port = np.split(informations, 2)
-    best = best_pairs(problem, starboard + port, names, legs // 2)
-    rows, information = list[dict[str, Any]](), np.zeros(problem.precision.shape)
-    before = expected_std(problem, information)
-    for turn, i in enumerate(sorted(best, key=lambda i: (y[i], u[i]))):
-        # The sides come first in turn, so that what grows with time cancels too.
-        for sign, part in ((-1, port), (1, starboard))[:: -1 if turn % 2 == 0 else 1]:
-            information = information + part[i]
+    starboard, port = np.split(problem.informations(), 2)
+    information = np.zeros(problem.precision.shape)
+    before, rows = expected_std(problem, information), list[dict[str, Any]]()
+
+    def left(i: int) -> float:  # Of the variances of the targets, if all legs are held there
+        after = expected_std(problem, legs / 2 * (starboard[i] + port[i]))
+        return sum((after[name] / before[name]) ** 2 for name in names if before[name] > 0)
+
+    if len(y):
+        best = min(range(len(y)), key=left)
+        for turn in range(legs):
+            sign = 1 if turn % 4 in (0, 3) else -1  # The sides come first in turn, so that what grows with time cancels
+            information = information + (starboard if sign > 0 else port)[best]
             after = expected_std(problem, information)
-            angles = np.degrees([sign * a[i, ::sign] for a in (rudder, drift)]).ravel().tolist()
-            place = {"offset": sign * float(y[i]), "side": "port" if sign < 0 else "starboard"}
-            row = place | {"speed": float(u[i]) / KNOT} | dict(zip(ANGLES, angles, strict=True))
+            angles = np.degrees([sign * angle[best, ::sign] for angle in (rudder, drift)]).ravel().tolist()
+            place = {"offset": sign * float(y[best]), "side": "port" if sign < 0 else "starboard"}
+            row = place | {"speed": float(u[best]) / KNOT} | dict(zip(ANGLES, angles, strict=True))
             rows.append(row | {f"std {name}": after[name] for name in names})
     std = {name: np.array([before[name], *(row[f"std {name}"] for row in rows)]) for name in names}
     notes = (

@@ -7,7 +7,7 @@ has a score and an information matrix, as a record of a log has, and the search 
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -310,18 +310,3 @@ class LegProblem(Unknowns):
         aside = STEP * np.eye(state.shape[1])
         ahead, behind = ([self._columns(state + sign * one) @ coefficients for one in aside] for sign in (1, -1))
         return np.asarray(np.moveaxis(np.array(ahead) - np.array(behind), 0, -1) / (2 * STEP))
-
-
-def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
-    """Return the pairs of legs with the least variances of some coefficients, added one by one, then exchanged."""
-    # pairs (places, P, P); Fedorov (1972), Theory of Optimal Experiments, on exchange.
-    model, inside = problem.prior.model, slice(problem.count)
-    before = np.asarray(model.covariance)
-    places = [place for place in map(model.terms.names.index, names) if before[place].any()]
-    rows = problem.prior.regression[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
-    best: list[int] = []
-    for turn in range(2 * count if len(pairs) else 0):
-        kept = best[turn >= count :]
-        after = np.linalg.inv(problem.precision + pairs[kept].sum(axis=0) + pairs)[:, inside, inside]
-        best = [*kept, int(np.einsum("ni,pij,nj->p", rows, after, rows).argmin())]
-    return best
