@@ -280,7 +280,7 @@ def plan_steady(
     information = np.zeros(problem.precision.shape)
     before, rows = expected_std(problem, information), list[dict[str, Any]]()
 
-    def left(i: int) -> float:  # Of the variances of the targets, if all legs are held there
+    def left(i: int) -> float:  # Relative variance of the targets with all legs there
         after = expected_std(problem, legs / 2 * (starboard[i] + port[i]))
         return sum((after[name] / before[name]) ** 2 for name in names if before[name] > 0)
 
