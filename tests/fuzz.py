@@ -214,21 +214,12 @@ class Doors:
         with contextlib.suppress(ImportError):
             frame.to_parquet(folder / "good.parquet", index=False)
         self.parquet = (folder / "good.parquet").read_bytes() if (folder / "good.parquet").exists() else b"PAR1"
-        self.mat = self._mat(frame)
         with contextlib.suppress(ImportError):
             frame.to_excel(folder / "good.xlsx", index=False)
         self.xlsx = (folder / "good.xlsx").read_bytes() if (folder / "good.xlsx").exists() else b"PK"
         self.dat = (
             b"\t".join(b"%s" % name.encode() for name in frame) + b"\n" + b"\t" * 14 + b"\n" + b"1\t" * 15 + b"\n"
         )
-
-    @staticmethod
-    def _mat(frame: Any) -> bytes:
-        from scipy.io import savemat
-
-        memory = io.BytesIO()
-        savemat(memory, {name: frame[name].to_numpy() for name in frame if name != "test"})
-        return memory.getvalue()
 
     def _file(self, name: str, content: bytes) -> Path:
         path = self.folder / name
@@ -278,8 +269,8 @@ class Doors:
         self._read(self._file("t.csv", "\n".join(map(",".join, rows)).encode("utf-8", "replace")), chance)
 
     def other_tables(self, chance: random.Random) -> None:
-        suffix = chance.choice([".parquet", ".mat", ".dat", ".xlsx"])
-        content = {".parquet": self.parquet, ".mat": self.mat, ".dat": self.dat, ".xlsx": self.xlsx}[suffix]
+        suffix = chance.choice([".parquet", ".dat", ".xlsx"])
+        content = {".parquet": self.parquet, ".dat": self.dat, ".xlsx": self.xlsx}[suffix]
         self._read(self._file(f"t{suffix}", bytes_of(content, chance)), chance)
 
     def _read(self, path: Path, chance: random.Random, mapping: Path | None = None) -> None:

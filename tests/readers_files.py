@@ -39,7 +39,6 @@ def write(folder: Path) -> None:
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
     write_lines(folder / "canal.geojson", lines, depth=0.3)
     write_lines(folder / "axis.geojson", {"centreline": at(0.0)})
-    write_area(folder / "fairway.geojson", [*at(30.0, 100.0), *reversed(at(-45.0, 100.0)), at(30.0, 100.0)[0]])
     write_kml(folder / "banks.kml", {"axis": at(0.0), "right": at(30.0), "left": at(-45.0)})
     write_chart(folder / "1W7RH001.000")
     write_laboratory(folder)
@@ -101,11 +100,6 @@ def write_lines(path: Path, lines: dict[str, list[Point]], **properties: float) 
         for role, points in lines.items()
     ]
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}), encoding="utf-8")
-
-
-def write_area(path: Path, ring: list[Point]) -> None:
-    """A fairway as one area."""
-    path.write_text(json.dumps({"type": "Feature", "geometry": {"type": "Polygon", "coordinates": [ring]}}))
 
 
 def write_kml(path: Path, lines: dict[str, list[Point]]) -> None:

@@ -135,7 +135,7 @@ def test_few_points_make_a_line() -> None:
     assert straight.length == pytest.approx(500.0, rel=1e-15)
     points = np.array([[0.0, 0.0], [10.0, 100.0], [40.0, 195.0]])
     bent = Centreline(points)
-    np.testing.assert_allclose(bent.at(bent.stations), points, atol=1e-9)
+    np.testing.assert_allclose(bent.at(bent.locate(points)[0]), points, atol=1e-9)
     np.testing.assert_allclose(bent.curvature(np.linspace(0, bent.length, 5)), 1 / 500, rtol=0.05)
 
 

@@ -119,7 +119,7 @@ def test_model(case: str, dtc: nw.Model, tmp_path: Path) -> None:
         assert word in str(error.value)
 
 
-@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.mat", "a.dat", "a.xlsx", "a"])
+@pytest.mark.parametrize("name", ["a.csv", "a.parquet", "a.dat", "a.xlsx", "a"])
 @pytest.mark.parametrize("content", [b"", bytes(range(256)) * 4])
 def test_damaged_files(name: str, content: bytes, ship_file: Path, tmp_path: Path) -> None:
     (tmp_path / name).write_bytes(content)

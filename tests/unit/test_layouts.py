@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from scipy.io import savemat
 
 import narrows as nw
 from narrows.captive.measured import measured_files
@@ -134,14 +133,6 @@ def test_dtc_records_that_cannot_be_differentiated(spoil, sentence: str, ship_fi
         nw.read_captive(dat(spoil(record()), tmp_path / "c.dat"), ship_file)
     assert str(error.value).startswith(str(tmp_path / "c.dat"))
     assert sentence in str(error.value)
-
-
-def test_matlab_character_matrix_pads_names(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
-    """MATLAB's own arrays of characters are as wide as the longest name."""
-    frame = frame_of(short)
-    columns = {name: frame[name].to_numpy() for name in frame if name != "test"}
-    savemat(tmp_path / "t.mat", {**columns, "test": np.array(frame.test.tolist())})
-    assert nw.read_captive(tmp_path / "t.mat", ship_file).names == short.names
 
 
 def test_a_column_that_pandas_keeps_as_index_is_a_column(

@@ -31,8 +31,7 @@ def metres(points: np.ndarray) -> Any:
 
 
 def feature(points: np.ndarray, written: Points = degrees, kind: str = "LineString", **properties: str) -> dict:
-    coordinates = [written(points)] if kind == "Polygon" else written(points)
-    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": coordinates}}
+    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": written(points)}}
 
 
 def placemark(points: np.ndarray, name: str) -> str:
@@ -107,21 +106,8 @@ def test_kml_is_read(tmp_path: Path, cli) -> None:
     check(nw.read_waterway(out))
 
 
-def test_an_area_is_measured_along_a_line(tmp_path: Path, cli) -> None:
-    path, axis, out = (tmp_path / name for name in ("area.geojson", "axis.geojson", "canal.geojson"))
-    ring = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
-    for file, one in ((path, feature(ring, kind="Polygon")), (axis, feature(AXIS.at(PLACES[1:-1])))):
-        file.write_text(json.dumps({"type": "FeatureCollection", "features": [one]}))
-    code, _, err = cli("waterway", path)
-    assert (code, "--line axis.geojson --depth 16" in err) == (2, True)
-    assert cli("waterway", path, "--line", axis, "--depth", "16", "-o", out)[0] == 0
-    assert float(nw.read_waterway(out).section(2000.0).width) == pytest.approx(150.0, abs=0.5)
-
-
-RING = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
 COMMANDS = {
     "one line": ([feature(AXIS.points)], "--width 300 --depth 16"),
-    "an area and its line": ([feature(RING, kind="Polygon"), feature(AXIS.at(PLACES[1:-1]))], "--depth 16"),
 }  # fmt: skip
 
 

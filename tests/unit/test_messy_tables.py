@@ -64,7 +64,6 @@ NAMES = {"test": "Run", "t": "Time", "psi": "Heading", "u": "Surge velocity", "v
 UNITS = {"t": "s", "psi": "deg", "u": "m/s", "v": "m/s", "r": "deg/s", "heave": "mm", "X": "N", "Y": "N", "N": "Nm"}
 TURNED = headed({}, CLEAN[[*NAMES, "x", "y"]], psi=DEG, r=DEG, heave=1e3)
 SYMBOLS = {"test": "no", "heave": "z"}
-RUNS = {str(name): rows.drop(columns="test") for name, rows in CLEAN.groupby("test", sort=False)}
 
 
 def heads(*rows: dict[str, str]) -> str:
@@ -120,7 +119,6 @@ READ: dict[str, pd.DataFrame | str | bytes] = {
     "a row of words": with_lines("Total" + "," * (len(CLEAN.columns) - 1)),
     "empty columns at the end": "\n".join(f"{line},,," for line in text().splitlines()),
     "an index without a name": CLEAN.to_csv(),
-    "a sheet for each run": workbook(**RUNS),
     "a cover sheet": workbook(Info=pd.DataFrame({"Project": ["bank tests"]}), Data=CLEAN),
 }  # fmt: skip
 

@@ -76,20 +76,6 @@ def test_longitudes_may_count_to_360(tmp_path: Path) -> None:
     assert nw.read_waterway(saved(tmp_path / "west.geojson", *shapes)).place == "about 54.12 N, 10.76 W"
 
 
-def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -> None:
-    around = np.array([[15, 0], [0, 15], [-15, 0], [15, 0]]) + AXIS[15] + 45 * ACROSS[15]
-    sides = [(BENDING["starboard"][part], BENDING["port"][part]) for part in (slice(0, 31), slice(30, 61))]
-    halves = [[degrees(np.concatenate([right, left[::-1], right[:1]]))] for right, left in sides]
-    halves[0].append(degrees(around))
-    area = saved(tmp_path / "area.geojson", *(("Polygon", rings, {}) for rings in halves))
-    axis, out = saved(tmp_path / "axis.geojson", ("LineString", degrees(AXIS), {})), tmp_path / "canal.geojson"
-    code, _, err = cli("waterway", area, "--line", axis, "--depth", 12, "-o", out)
-    assert (code, err) == (0, "")
-    read = nw.read_waterway(out)
-    widths = read.section(np.linspace(0.0, read.line.length, 1000)).width
-    assert (widths.min(), np.median(widths), widths.max()) == pytest.approx((75 + 45 - 15, 150, 150), abs=5)
-
-
 @pytest.mark.parametrize(
     ("words", "remedy"),
     [
@@ -98,7 +84,7 @@ def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -
         (("--line", "line.geojson", "--width", "-3", "--depth", "16"), "give metres over 0"),
         (("canal.geojson", "--width", "300"), "at most one of FILE, --width"),
         (("--line", "line.geojson", "--width", "300", "--depth", "16", "--reach", "9"), "--reach goes with FILE"),
-        (("canal.geojson", "--reach", "9"), "--reach is for a chart or an area along --line"),
+        (("canal.geojson", "--reach", "9"), "--reach is for a chart along --line"),
     ],
 )
 def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tmp_path, cli, monkeypatch) -> None:

@@ -47,7 +47,7 @@ def read_captive(
     Parameters
     ----------
     table : str, Path, DataFrame or Dataset
-        CSV in any dialect, Parquet, Excel, .mat, or a table of pandas, Polars, Arrow or xarray; columns ``test, t, x,
+        CSV in any dialect, Parquet, Excel, or a table of pandas, Polars, Arrow or xarray; columns ``test, t, x,
         y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header has a unit, as in ``psi
         [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` if they change from row to row.
     ship : str, Path, Configuration or mapping

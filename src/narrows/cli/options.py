@@ -213,7 +213,7 @@ def output_of(path: Path, label: str) -> Path:
     return path.with_name(f"{path.stem}-{label.translate(NOT_IN_NAMES)}{path.suffix}")
 
 
-Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.")]
+Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel.")]
 
 SHIP_FILE = "Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."
 ShipFile = Annotated[Path, SHIP_FILE]

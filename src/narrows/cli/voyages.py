@@ -245,7 +245,7 @@ REACH = 1000.0
 )  # fmt: skip
 def waterway(
     file: Annotated[Path | None, cli.Argument(help="GeoJSON, KML, shapefile, chart (.000); none with --width.")] = None,
-    line: Annotated[Path | None, "Centreline as it is sailed, through a chart or an area: a map with one line."] = None,
+    line: Annotated[Path | None, "Centreline as it is sailed, through a chart: a map with one line."] = None,
     width: Annotated[float | None, "Width from bank to bank along --line [m]."] = None,
     depth: Annotated[float | None, "Water depth [m], if the file gives none."] = None,
     reach: Annotated[float, "Search distance for a bank in a chart [m]."] = REACH,
@@ -261,7 +261,7 @@ def waterway(
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
     if line is None and reach != REACH:
-        raise InputError("--reach is for a chart or an area along --line; leave it out for banks that are drawn")
+        raise InputError("--reach is for a chart along --line; leave it out for banks that are drawn")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
@@ -286,11 +286,6 @@ def _made(
         return result, smoothed * bool(moved > SAME_PLACE)
     if line is None:
         return nw.read_waterway(file, depth=depth), ()
-    from narrows.waterway.from_chart import chart_of_area, read_chart, waterway_from_chart
+    from narrows.waterway.from_chart import read_chart, waterway_from_chart
 
-    of_chart = file.suffix == ".000"
-    if not of_chart and depth is None:
-        raise InputError(f"{file} gives no depth; add --depth 16")
-    axis = read_line(line)
-    chart = read_chart(file) if of_chart else chart_of_area(file, axis, depth or 0.0)
-    return waterway_from_chart(chart, axis, reach), ()
+    return waterway_from_chart(read_chart(file), read_line(line), reach), ()

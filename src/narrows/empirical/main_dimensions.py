@@ -10,30 +10,8 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.results import Coefficients
-from narrows.empirical.formulas import (
-    BANK_PRIOR,
-    COEFFICIENTS,
-    EVIDENCE_WIDTHS,
-    FORM,
-    INCREASE_PLACE,
-    LEAST_CLEARANCE,
-    RANGES,
-    RUDDER_PLACE,
-    RUDDER_SURGE,
-    SHIP_TYPES,
-    SIGNED,
-    Calibration,
-    Hull,
-    ShipType,
-    Uncertain,
-    estimated_propeller,
-    estimated_rudder,
-    read_calibration,
-    resistance_prime,
-    rudder_force_increase,
-    service_speed,
-    thrust_deduction,
-)
+from narrows.empirical import formulas
+from narrows.empirical.formulas import SHIP_TYPES, SIGNED, Calibration, Hull, ShipType, Uncertain
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.model.sections import Source
@@ -43,9 +21,9 @@ from narrows.ship.actuators import Propeller, Rudder, SteeringGear
 from narrows.ship.checks import check_number, is_finite
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
-TABLE = f"mmg+{FORM}"
+TABLE = f"mmg+{formulas.FORM}"
 SEA = Water(1025.0)
-ALL_SHIPS = read_calibration()
+ALL_SHIPS = formulas.read_calibration()
 
 # Relative standard deviations of parts that no known ship calibrates, from the differences between the formulas, KVLCC2
 # and S-175.
@@ -110,14 +88,14 @@ def estimate_model(
     hull = hull_of(known)
     known = _with_mass(known, water)
     configuration = Configuration(known, canal, water, steering=steering)
-    service = service_speed(known, usual) if speed is None else speed
+    service = formulas.service_speed(known, usual) if speed is None else speed
     check_speed(service, known, usual)
-    resistance = resistance_prime(known, service)
-    driven = propeller or estimated_propeller(known, hull, usual, service)
-    steered = rudder or estimated_rudder(known, hull, usual, driven)
+    resistance = formulas.resistance_prime(known, service)
+    driven = propeller or formulas.estimated_propeller(known, hull, usual, service)
+    steered = rudder or formulas.estimated_rudder(known, hull, usual, driven)
     depth_to_draft = canal.depth / known.draft if canal.depth else math.inf
-    spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
-    spreads |= BANK_PRIOR
+    spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in formulas.COEFFICIENTS}
+    spreads |= formulas.BANK_PRIOR
     spreads["R_0"] = Uncertain(resistance, RESISTANCE_SHARE * resistance)
     coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
     missing = [name for name in ("propeller", "rudder") if parts[name] is None]
@@ -130,14 +108,14 @@ def estimate_model(
         data_range=DataRange(
             speed=(0.0, 0.25 * math.sqrt(GRAVITY * known.length)),  # Tests behind the formulas were no faster
             depth_to_draft=_depths_of(depth_to_draft),
-            width_to_beam=EVIDENCE_WIDTHS,
-            abs_y=(0.0, max(canal.width / 2 - (0.5 + LEAST_CLEARANCE) * known.beam, 0.0)),
+            width_to_beam=formulas.EVIDENCE_WIDTHS,
+            abs_y=(0.0, max(canal.width / 2 - (0.5 + formulas.LEAST_CLEARANCE) * known.beam, 0.0)),
         ),
         source=Source(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
             estimate=" ".join(_sentences(known, filled, missing, words, service, hull, depth_to_draft)),
         ),
-        verdicts=dict.fromkeys(BANK_PRIOR, "estimated from other ships"),
+        verdicts=dict.fromkeys(formulas.BANK_PRIOR, "estimated from other ships"),
     )
 
 
@@ -195,11 +173,11 @@ def _assembled(
 ) -> tuple[dict[str, float], np.ndarray]:
     """Return coefficients and covariance in the order of the terms; tied coefficients share one error."""
     terms = table_named(TABLE)
-    increase = 1 + rudder_force_increase(hull)
-    lever = RUDDER_PLACE + (increase - 1) * INCREASE_PLACE
+    increase = 1 + formulas.rudder_force_increase(hull)
+    lever = formulas.RUDDER_PLACE + (increase - 1) * formulas.INCREASE_PLACE
     values = {
-        "X_mass": 1.0, "X_thrust": 1 - thrust_deduction(hull), "X_rudder": RUDDER_SURGE, "Y_rudder": increase,
-        "N_rudder": lever, **{name: spread.value for name, spread in spreads.items()},
+        "X_mass": 1.0, "X_thrust": 1 - formulas.thrust_deduction(hull), "X_rudder": formulas.RUDDER_SURGE,
+        "Y_rudder": increase, "N_rudder": lever, **{name: spread.value for name, spread in spreads.items()},
     }  # fmt: skip
     errors: list[Mapping[str, float]] = [{name: spread.std} for name, spread in spreads.items() if name not in SIGNED]
     root = np.linalg.cholesky(correlation)
@@ -210,7 +188,7 @@ def _assembled(
     rudder = ("X_rudder", "Y_rudder", "N_rudder")
     errors += [
         {name: RUDDER_SHARE * values[name] for name in rudder},
-        {"Y_rudder": INCREASE_SHARE * increase, "N_rudder": INCREASE_SHARE * increase * INCREASE_PLACE},
+        {"Y_rudder": INCREASE_SHARE * increase, "N_rudder": INCREASE_SHARE * increase * formulas.INCREASE_PLACE},
         {"X_thrust": THRUST_SHARE * values["X_thrust"]},
     ]
     tied = {other: one for one, other in terms.ties}
@@ -234,7 +212,7 @@ def _sentences(
     ratios = asdict(hull)
     outside = [
         f"{words} {ratios[name]:.3g} ({low:g} to {high:g})"
-        for name, (words, low, high) in RANGES.items()
+        for name, (words, low, high) in formulas.RANGES.items()
         if not low <= ratios[name] <= high
     ]
     if outside:
@@ -256,7 +234,7 @@ def check_types(ship: object, canal: object, water: object, **parts: object) -> 
 def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
     if not is_finite(speed):
         raise InputError(f"a service speed of {shown(speed)} is not a finite number; give it in m/s")
-    ordinary = service_speed(ship, kind)
+    ordinary = formulas.service_speed(ship, kind)
     if speed > 1.8 * ordinary:  # A speed in knots is 1.94 times that in m/s
         raise InputError(
             f"a service speed of {speed:.4g} m/s is {speed / ordinary:.2g} times that of a usual {kind.words} of this "

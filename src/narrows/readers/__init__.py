@@ -1,1 +1,1 @@
-"""Readers of tables: text in any dialect, Parquet, Excel, MATLAB, data frames; units and other names in headers."""
+"""Readers of tables: text in any dialect, Parquet, Excel, data frames; units and other names in headers."""

@@ -1,9 +1,7 @@
-"""Files to data frames: text, Parquet, Excel and MATLAB, whole or in chunks."""
+"""Files to data frames: text, Parquet and Excel, whole or in chunks."""
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, nullcontext, suppress
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +14,7 @@ from narrows.readers.settings import SHEET_ROWS
 from narrows.readers.text_table import FIRST_ROW, dialect_of, head_of, text_chunks
 
 TEXT = (".csv", ".txt", ".tsv", ".dat", ".asc")
-READABLE = (*TEXT, ".parquet", ".xlsx", ".mat")
+READABLE = (*TEXT, ".parquet", ".xlsx")
 STREAMED = (*TEXT, ".parquet")
 
 
@@ -26,7 +24,7 @@ class Sheet(NamedTuple):
 
 
 def read_frame(path: Path) -> Sheet:
-    readers: dict[str, Callable[[Path], Sheet]] = {".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat}
+    readers: dict[str, Callable[[Path], Sheet]] = {".parquet": _read_parquet, ".xlsx": _read_excel}
     reader = readers.get(_suffix(path, READABLE))
     with nullcontext() if reader is None else stage(f"reading {path.name}"), guarding(path):
         if reader:
@@ -99,21 +97,8 @@ def _read_excel(path: Path) -> Sheet:
     read = next(name for name, count in counts.items() if count >= max(counts.values()) / 10)
     frame, notes = _of_cells(sheets[read], str(names[0]))
     which = "the first" if read == names[0] else "the first with many numbers"
-    alike = {read: frame} | {name: other for name in names if (other := _alike(sheets[name], frame)) is not None}
-    if len(alike) > 1:
-        every = pd.concat([part.assign(sheet=str(name)) for name, part in alike.items()])
-        return Sheet(every, (f"{len(alike)} sheets with the same columns are read, {len(names)} in all", *notes))
     others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
     return Sheet(frame, (*others, *notes))
-
-
-def _alike(cells: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame | None:
-    """A sheet with the same columns as another, all numbers; a column of names would distinguish its rows."""
-    if cells.shape[1] == frame.shape[1] and all(dtype.kind in "fiu" for dtype in frame.dtypes):
-        with suppress(InputError):
-            other = _of_cells(cells, "")[0]
-            return other if list(other.columns) == list(frame.columns) else None
-    return None
 
 
 def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -126,15 +111,3 @@ def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str,
     frame = cells[cells.index >= head.first - 1].set_axis(list(head.headers), axis="columns").infer_objects()
     frame.index += 1 - FIRST_ROW
     return frame, head.notes
-
-
-def _read_mat(path: Path) -> Sheet:
-    from scipy.io import loadmat
-
-    # SciPy ends the whole process on some invalid files, so another one tries.
-    trial = [sys.executable, "-c", "import sys; from scipy.io import loadmat; loadmat(sys.argv[1])", str(path)]
-    if subprocess.run(trial, stderr=subprocess.DEVNULL).returncode:
-        raise ValueError("SciPy does not read it")
-    loaded = {name: value for name, value in loadmat(path, simplify_cells=True).items() if not name.startswith("__")}
-    only = next(iter(loaded.values()), None) if len(loaded) == 1 else None
-    return Sheet(pd.DataFrame(only if isinstance(only, dict) else loaded))

@@ -236,9 +236,6 @@ class NmeaDecoder:
             import pyais  # noqa: F401
             import pynmeagps  # noqa: F401
         self.mmsi = mmsi
-        self.forget()
-
-    def forget(self) -> None:
         self.faults: Counter[str] = Counter()
         self.ships: Counter[str] = Counter()
 
@@ -326,7 +323,7 @@ class Recording:
     def entries(self) -> Iterator[Entry]:
         with self.path.open("rb") as file:
             sample = list(islice(self._decoded(file), settings.SOURCE_SENTENCES))
-        self.decoder.forget()
+        self.decoder = NmeaDecoder(self.decoder.mmsi)
         logged = sum(sentence.logged is not None for sentence, _ in sample)
         day = next((message.day for _, message in sample if message.day), None)
         self.sources = Sources(one for _, one in sample)

@@ -157,7 +157,7 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
         coefficients=[_coefficient(fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],
         shapley=[(name, PRINTED_SHARES[name], ours.values()) for name, ours in reproduced.shares.items()],
         kinds=KINDS, switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
-        source=reproduced.truth.source.text, clusters=fit.motions.sentence, verdict=reproduced.agreement,
+        source=reproduced.truth.source.text, clusters=fit.motions.sentence,
         voyages={y: voyage.outcome.sentence for y, voyage in reproduced.voyages.items()},
         eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in ours] for name, ours in reproduced.modes.items()},
         stiffness=reproduced.stiffness,

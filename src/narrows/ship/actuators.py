@@ -171,11 +171,6 @@ class SteeringGear(Part):
         """Dead time and lag together [s]: the delay of a slow order."""
         return self.dead_time + self.lag
 
-    @property
-    def follows_at_once(self) -> bool:
-        """True if only limit and rate act between an order and the rudder."""
-        return not (self.dead_time or self.lag or self.dead_band_deg)
-
     def values(self) -> dict[str, float]:
         """Limit [rad], rate [rad/s], dead time, lag [s] and dead band [rad] of the rudder."""
         slow = {"dead_time": self.dead_time, "lag": self.lag, "dead_band": math.radians(self.dead_band_deg)}

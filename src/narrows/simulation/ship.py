@@ -251,8 +251,9 @@ class SimulatedShip:
 
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:
-        late = {"rudder"} if not self.model.configuration.gear.follows_at_once else set()
-        return tuple(Actuated(one.name, one.angle, one.name in late) for one in self.model.terms.actuators)
+        gear = self.model.configuration.gear
+        late = bool(gear.dead_time or gear.lag or gear.dead_band_deg)
+        return tuple(Actuated(one.name, one.angle, late and one.name == "rudder") for one in self.model.terms.actuators)
 
     def system(
         self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never", across: Across = "none"

@@ -102,10 +102,6 @@ class Centreline:
         return float(self._samples[1][-1])
 
     @property
-    def stations(self) -> np.ndarray:
-        return self._samples[1][::SAMPLES_A_PIECE]
-
-    @property
     def fine(self) -> np.ndarray:
         """Places along the line, many between each two of its points [m]."""
         return self._samples[1]

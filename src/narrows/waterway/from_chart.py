@@ -1,6 +1,5 @@
 """A waterway from a chart: the first lines that the normals of a centreline meet, and the depths along it."""
 
-import json
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -8,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from narrows.base.errors import InputError, needs
+from narrows.base.errors import InputError
 from narrows.waterway.banks import SIGNS, Bank, Normals, bank_from_points, seen_pieces
 from narrows.waterway.centreline import Centreline
-from narrows.waterway.geojson import read_features
-from narrows.waterway.map_lines import TOUCHING, gdal, origin_of, projected, read_layer
+from narrows.waterway.map_lines import gdal, origin_of, projected, read_layer
 from narrows.waterway.waterway import Waterway
 
 # Distance greater than any waterway's width [m].
@@ -53,35 +51,6 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     areas = [(shapely.transform(area, partial(projected, origin=origin)), least) for area, least in chart.areas]
     depths = _depths(areas, line)
     return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
-
-
-def chart_of_area(path: Path, centreline: np.ndarray, depth: float) -> Chart:
-    """Return a map of water areas as a chart of one depth [m]: their edges are the banks."""
-    with needs("charts", "an area of water"):
-        import shapely
-    areas = [one.geometry for one in read_features(path) if "Polygon" in str(one.geometry.get("type"))]
-    try:
-        parts = [part for area in areas for part in shapely.get_parts(shapely.from_geojson(json.dumps(area)))]
-        whole = shapely.union_all(shapely.force_2d(parts))
-    except shapely.errors.GEOSException as error:
-        raise InputError(f"{path}: has an invalid polygon ({error}); correct it") from None
-    if not parts:
-        raise InputError(f"{path}: has no area of water; give a polygon, or three lines without --line")
-    # Where the centreline leaves an area no bank closes it; an island that it crosses is a fault.
-    shores = [edge for part in shapely.get_parts(whole) for edge in _sides(part.exterior, centreline)]
-    islands = [np.array(ring.coords) for part in shapely.get_parts(whole) for ring in part.interiors]
-    return Chart((*shores, *islands), tuple((part, depth) for part in parts), path.stem)
-
-
-def _sides(ring: Any, centreline: np.ndarray) -> list[np.ndarray]:
-    """The pieces of a ring without the edges that a line crosses, each (n, 2)."""
-    import shapely
-
-    points = np.array(ring.coords)
-    edges = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
-    kept = edges[~shapely.dwithin(edges, shapely.LineString(centreline), TOUCHING)]
-    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(kept)))
-    return [np.array(part.coords) for part in merged]
 
 
 def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float) -> Bank:

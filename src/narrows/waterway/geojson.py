@@ -154,20 +154,12 @@ def _lines(features: list[Feature], file: str) -> dict[str, Feature]:
     for role in ROLES:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one")
-    lines, name = [one for one in features if one.geometry.get("type") == "LineString"], quote(file)
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
 
-    yours = "(the sizes are examples: put your own)"
-    if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
-        line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
+    if [one.geometry.get("type") for one in features] == ["LineString"] and set(roles) <= {"centreline"}:
         raise InputError(
-            f"{file}: has an area; {action} and give a depth {yours}: narrows waterway {name} --line {line} --depth 16 "
-            f"-o {written}"
-        )
-    if len(lines) == 1 and set(roles) <= {"centreline"}:
-        raise InputError(
-            f"{file}: has one line; with a width and a depth {yours} it is a waterway: "
-            f"narrows waterway --line {name} --width 300 --depth 16 -o {written}"
+            f"{file}: has one line; with a width and a depth (of your own) it is a waterway: "
+            f"narrows waterway --line {quote(file)} --width 300 --depth 16 -o {written}"
         )
     if not features:
         raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth) and two banks")
