@@ -1,8 +1,6 @@
 """What files, names and callers bring in, found by reading and by fuzzing: each is refused in one sentence."""
 
-import io
 import os
-import struct
 import subprocess
 import sys
 from collections.abc import Callable
@@ -112,31 +110,6 @@ def test_two_columns_of_one_name(table: pd.DataFrame, ship_file: Path, tmp_path:
     names = [*table, "u"]
     path.write_text("\t".join(names) + "\n" + "\t" * (len(names) - 1) + "\n" + "\t".join("1" * len(names)) + "\n")
     assert "'u' and 'u.1' are both u; keep one" in sentence(lambda: nw.read_captive(path, ship_file))
-
-
-def mat(**variables: object) -> bytes:
-    from scipy.io import savemat
-
-    memory = io.BytesIO()
-    savemat(memory, variables)
-    return memory.getvalue()
-
-
-MAT = mat(a=np.arange(3.0))
-SPOILT_MAT = {
-    "complex without its second part": (128 + 17, b"\x08"),
-    "a class that is none": (128 + 16, b"\xc8"),
-    "a type that is none": (128 + 48, struct.pack("<I", 99)),
-}
-
-
-@pytest.mark.parametrize("kind", SPOILT_MAT)
-def test_matlab_files_that_end_the_process_that_reads_them(kind: str, ship_file: Path, tmp_path: Path) -> None:
-    """SciPy looks a type up in a table without asking whether it is there, so another process tries first."""
-    at, new = SPOILT_MAT[kind]
-    path = tmp_path / "t.mat"
-    path.write_bytes(MAT[:at] + new + MAT[at + len(new) :])
-    assert "is not a readable mat table" in sentence(lambda: nw.read_captive(path, ship_file))
 
 
 @pytest.mark.parametrize("name", ["__debug__", "__class__", "lambda", "None", "", "a b", "a\n", "width", "u"])
