@@ -25,35 +25,24 @@ def loop(**told: Any) -> ClosedLoop:
     return closed_loop(full_size(), law(), **told)
 
 
-def opened(made: ClosedLoop) -> control.StateSpace:
-    """From the gear's order to the law's order, with the sign changed."""
-    A, B, C = made._matrices
-    return control.ss(A, B, -C, 0, made.dt)
-
-
-def closed(made: ClosedLoop) -> control.StateSpace:
-    """From an order added to the law's to the offset and the rudder."""
-    A, B, C = made._matrices
-    return control.ss(A + B @ C, B, np.eye(len(A))[[made.states.index(name) for name in ("y", "rudder")]], 0, made.dt)
-
-
 SLOW = nw.SteeringGear(dead_time=2.0, lag=2.5)
 
 
 @pytest.mark.parametrize(("dt", "gear"), [(1.0, None), (1.0, SLOW), (0.25, SLOW)])
 def test_small_motions_of_voyages_are_those_of_the_state_space(dt: float, gear: Any) -> None:
     made = loop(dt=dt, gear=gear)
+    system = made.state_space()
     voyage = made.simulate(200.0, y=HOLD + 1e-3)
     begun = np.zeros(len(made.states))
     begun[made.states.index("y")] = 1e-3
-    response = control.initial_response(closed(made), np.arange(len(voyage.t)) * dt, begun).outputs
+    response = control.initial_response(system, np.arange(len(voyage.t)) * dt, begun).outputs
     np.testing.assert_allclose(voyage.y - HOLD, response[0], atol=2e-6)
-    np.testing.assert_allclose(voyage.rudder - made.course["rudder"], response[1], atol=2e-3 * abs(response[1]).max())
+    np.testing.assert_allclose(voyage.rudder - made.course["rudder"], response[2], atol=2e-3 * abs(response[2]).max())
 
 
 def test_poles_are_those_of_python_control() -> None:
     made = loop(gear=SLOW)
-    found = closed(made).poles()
+    found = made.state_space().poles()
     rates = np.log(found[np.abs(found) > 1e-12].astype(complex)).real
     assert made.poles()[0].real == pytest.approx(rates.max(), rel=1e-8)
     assert made.poles()[0].real < 0
@@ -61,11 +50,11 @@ def test_poles_are_those_of_python_control() -> None:
 
 def test_margins_bring_the_opened_loop_to_instability() -> None:
     made = loop(gear=SLOW)
-    margins, at_the_order = made.margins(), opened(made)
+    margins, opened = made.margins(), made.state_space(opened=True)
 
     def grows(factor: complex, steps: int = 0) -> bool:
         later = control.ss(np.eye(steps, k=-1), np.eye(steps)[:, :1], np.eye(steps)[-1:], 0, 1.0) if steps else 1.0
-        return bool(np.abs(control.feedback(at_the_order * later * factor, 1).poles()).max() > 1.0)
+        return bool(np.abs(control.feedback(opened * later * factor, 1).poles()).max() > 1.0)
 
     assert not grows(1.0)
     for name in ("gain", "gain_down"):
@@ -107,8 +96,8 @@ def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:
     linear = nw.control.linearize(full_size(), HOLD, SPEED)
     whole = np.zeros((6, 6))
     whole[:4, :4], whole[4], whole[5, 0] = linear.A, np.negative(law().lines[0].gains), 1.0
-    whole_loop = control.ss(whole, np.append(linear.B[:, 0], [0.0, 0.0])[:, None], -np.eye(6)[4:5], 0)
-    gains, phases, distances, _, crossings, _ = control.stability_margins(whole_loop, returnall=True)
+    opened = control.ss(whole, np.append(linear.B[:, 0], [0.0, 0.0])[:, None], -np.eye(6)[4:5], 0)
+    gains, phases, distances, _, crossings, _ = control.stability_margins(opened, returnall=True)
     sampled = loop(dt=0.05).margins()
     assert max(gains[gains < 1]) == pytest.approx(sampled["gain_down"], rel=0.01)
     assert min(abs(phases)) == pytest.approx(sampled["phase_deg"], rel=0.01)

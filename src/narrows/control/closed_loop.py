@@ -11,7 +11,7 @@ import numpy as np
 
 import narrows
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
 from narrows.codegen.choices import COUNTED, TIME, WATER
 from narrows.control import settings
@@ -138,6 +138,22 @@ class ClosedLoop(BaseSummary):
             both[:-1] += np.linalg.lstsq(np.eye(len(off)) - A - B @ C, off, rcond=None)[0]
         where = f"{self.y:g} m off the middle at {self.u:g} m/s; choose another, or simulate it"
         raise InputError(f"the {type(self.controller).__name__} does not keep this ship on a steady course {where}")
+
+    def state_space(self, opened: bool = False) -> Any:
+        """Return the loop as a discrete state space of python-control, at its time step.
+
+        ``opened``: from the gear's order to the law's order, with the sign changed. Otherwise: from an order added to
+        the law's to the offset, heading and rudder.
+        """
+        with needs("control", "state_space"):
+            import control
+        A, B, C = self._matrices
+        named: dict[str, Any] = {"inputs": ["order"], "states": list(self.states), "name": "loop"}
+        if opened:
+            return control.ss(A, B, -C, 0, self.dt, outputs=["asked"], **named)
+        seen = ["y", "psi", "rudder"]
+        out = np.eye(len(A))[[self.states.index(name) for name in seen]]
+        return control.ss(A + B @ C, B, out, 0, self.dt, outputs=seen, **named)
 
     def poles(self) -> np.ndarray:
         """Return the growth rates of deviations from the course [1/s], the most unstable first.
