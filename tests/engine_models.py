@@ -9,7 +9,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.codegen.free_motion import ACCELERATIONS, STATE
-from narrows.quantities import dimensions as dim
+from narrows.quantities import names as dim
 from narrows.quantities.names import MOTION
 from narrows.waterway import Bank, Centreline, Waterway
 

@@ -83,7 +83,7 @@ from .model.water import Squat as Squat
 from .model.water import SquatFormula as SquatFormula
 from .model.water import choke_speed as choke_speed
 from .model.water import squat as squat
-from .quantities.dimensions import Dimension as Dimension
+from .quantities.names import Dimension as Dimension
 from .safety.channel_rules import OutsideRules as OutsideRules
 from .safety.channel_rules import outside_rules as outside_rules
 from .safety.envelope import safe_envelope as safe_envelope

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.quantities.dimensions import Dimension, dimension_of
-from narrows.quantities.names import PARTICULARS
+from narrows.quantities.names import PARTICULARS, Dimension, dimension_of
 from narrows.ship.actuators import STANDARD, Actuator, Part
 
 every_actuator = pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
-from narrows.codegen.choices import WATER
+from narrows.codegen.free_motion import WATER
 from narrows.control.predictive.course_ahead import water_ahead
 from narrows.simulation.controllers import ControlLaw
 

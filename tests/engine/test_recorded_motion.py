@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.physics.hull import drift
-from narrows.physics.propeller import NOTHING
+from narrows.physics.propeller_and_rudder import NOTHING
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 SHIP, PROPELLER, RUDDER = KVLCC2.configuration.ship, KVLCC2.configuration.propeller, KVLCC2.configuration.rudder

@@ -113,7 +113,7 @@ def functions(table: np.ndarray, row: int) -> dict[str, Any]:
 
 def by_dual_numbers(tangent: TangentIntegrator, times: np.ndarray) -> np.ndarray:
     """The printed step and the printed constants, run on dual numbers: (kept, by) at the end."""
-    from narrows.codegen.choices import ROW
+    from narrows.codegen.free_motion import ROW
 
     table = tangent.integrator.channel.table
     system = tangent.integrator.system

@@ -14,7 +14,7 @@ from strategies import numbers
 import narrows as nw
 from narrows.model.tables import HELM
 from narrows.model.term import ScaleEffect
-from narrows.quantities.dimensions import Dimension, dimension_of
+from narrows.quantities.names import Dimension, dimension_of
 from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part, number_in
 from tables import DTC_SHIP, frame_of, many_runs
 

@@ -9,7 +9,8 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.physics import hull, propeller, rudder
+from narrows.physics import hull
+from narrows.physics import propeller_and_rudder as mmg
 from narrows.quantities.names import name_of
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
@@ -33,24 +34,24 @@ def test_thrust_is_the_open_water_curve(u: float, n: float) -> None:
     j = u * (1 - screw.wake) / (n * screw.diameter)
     k_t = screw.thrust_0 + screw.thrust_1 * j + screw.thrust_2 * j * j
     expected = 1000.0 * n * n * screw.diameter**4 * k_t
-    assert value(propeller.thrust, u=u, revolutions=n) == pytest.approx(expected, rel=1e-9, abs=1e-9)
+    assert value(mmg.thrust, u=u, revolutions=n) == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_a_propeller_that_stands_drags() -> None:
-    assert value(propeller.thrust, revolutions=0.0) < 0
+    assert value(mmg.thrust, revolutions=0.0) < 0
 
 
 @given(v=numbers(-0.3, 0.3), r=numbers(-0.15, 0.15))
 def test_the_wake_thins_as_she_turns(v: float, r: float) -> None:
-    straight = value(propeller.inflow)
+    straight = value(mmg.inflow)
     assert straight == pytest.approx(1 - VALUES["propeller_wake"])
-    assert value(propeller.inflow, v=v, r=r) >= straight - 1e-12
+    assert value(mmg.inflow, v=v, r=r) >= straight - 1e-12
 
 
 @given(v=numbers(-0.3, 0.3), r=numbers(-0.15, 0.15), angle=numbers(-0.6, 0.6))
 def test_mirrored_where_propeller_and_rudder_are_alike_on_both_sides(v: float, r: float, angle: float) -> None:
     alike = {"propeller_wake_port": 1.6, "rudder_straightening_port": 0.640}
-    for function, sign in ((rudder.rudder_surge, 1), (rudder.rudder_sway, -1), (rudder.rudder_yaw, -1)):
+    for function, sign in ((mmg.rudder_surge, 1), (mmg.rudder_sway, -1), (mmg.rudder_yaw, -1)):
         own, other = (
             value(function, v=s * v, r=s * r, sin_rudder=s * np.sin(angle), cos_rudder=np.cos(angle), **alike)
             for s in (1, -1)
@@ -61,19 +62,19 @@ def test_mirrored_where_propeller_and_rudder_are_alike_on_both_sides(v: float, r
 @given(angle=numbers(0.02, 0.6))
 def test_a_rudder_to_starboard_turns_her_to_starboard_and_holds_her_back(angle: float) -> None:
     turned = {"sin_rudder": np.sin(angle), "cos_rudder": np.cos(angle)}
-    assert value(rudder.rudder_yaw, **turned) > 0 > value(rudder.rudder_sway, **turned)
-    assert value(rudder.rudder_surge, **turned) < 0
+    assert value(mmg.rudder_yaw, **turned) > 0 > value(mmg.rudder_sway, **turned)
+    assert value(mmg.rudder_surge, **turned) < 0
 
 
 @given(slow=numbers(1.4, 15.0), more=numbers(0.01, 5.0))
 def test_more_revolutions_never_slow_the_slipstream(slow: float, more: float) -> None:
     """From where the thrust itself rises, dragging too; without thrust the inflow stays as it is."""
-    flows = [value(rudder.axial_velocity, revolutions=n) for n in (slow, slow + more)]
+    flows = [value(mmg.axial_velocity, revolutions=n) for n in (slow, slow + more)]
     assert flows[0] <= flows[1] + 1e-12
     screw = KVLCC2.configuration.propeller
     idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
-    n = value(propeller.inflow) / (idle * screw.diameter)
-    assert value(rudder.axial_velocity, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
+    n = value(mmg.inflow) / (idle * screw.diameter)
+    assert value(mmg.axial_velocity, revolutions=n) == pytest.approx(1.09 * value(mmg.inflow), rel=1e-9)
 
 
 def test_every_term_has_a_name_in_print() -> None:
@@ -95,7 +96,7 @@ def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
 
 def test_the_slipstream_makes_the_rudder_stronger() -> None:
     turned = {"sin_rudder": 0.3, "cos_rudder": 0.954}
-    assert value(rudder.rudder_yaw, revolutions=15.0, **turned) > value(rudder.rudder_yaw, revolutions=8.0, **turned)
+    assert value(mmg.rudder_yaw, revolutions=15.0, **turned) > value(mmg.rudder_yaw, revolutions=8.0, **turned)
 
 
 @given(power=numbers(0.5, 3.0))

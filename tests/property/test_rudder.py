@@ -13,11 +13,11 @@ from strategies import numbers
 import narrows as nw
 from dop853 import integrated
 from narrows.captive.measured import measured_files
-from narrows.physics import rudder
+from narrows.physics import propeller_and_rudder as mmg
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 STATE = {"u": 1.0, "v": 0.0, "r": 0.0, "length": 4.0, "draft": 0.2, "flow_straightening": 0.5, "density": 1000.0}
-HELM = {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}
+HELM = {"surge": mmg.helm_surge, "sway": mmg.helm_sway, "yaw": mmg.helm_yaw}
 
 
 def value(function, angle: float, **changed: float) -> float:
@@ -26,9 +26,9 @@ def value(function, angle: float, **changed: float) -> float:
 
 def test_to_starboard_is_positive() -> None:
     """A rudder to starboard pushes the stern to port, turns the bow to starboard, and holds it back."""
-    assert value(rudder.helm_yaw, 0.2) > 0
-    assert value(rudder.helm_sway, 0.2) < 0
-    assert value(rudder.helm_surge, 0.2) < 0
+    assert value(mmg.helm_yaw, 0.2) > 0
+    assert value(mmg.helm_sway, 0.2) < 0
+    assert value(mmg.helm_surge, 0.2) < 0
 
 
 @pytest.mark.parametrize("name", ["sway", "yaw"])
@@ -47,15 +47,15 @@ def test_mirrored(angle: float, v: float, r: float) -> None:
 @given(angle=numbers(0.01, 0.6))
 def test_straight_ahead_it_is_the_normal_force(angle: float) -> None:
     pressure = 0.5 * 1000.0 * 0.01 * 4.0 * 0.2
-    assert value(rudder.helm_sway, angle) == pytest.approx(-pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
-    assert value(rudder.helm_yaw, angle) == pytest.approx(4.0 * pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
-    assert value(rudder.helm_surge, angle) == pytest.approx(-pressure * np.sin(angle) ** 2, rel=1e-12)
+    assert value(mmg.helm_sway, angle) == pytest.approx(-pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
+    assert value(mmg.helm_yaw, angle) == pytest.approx(4.0 * pressure * np.sin(angle) * np.cos(angle), rel=1e-12)
+    assert value(mmg.helm_surge, angle) == pytest.approx(-pressure * np.sin(angle) ** 2, rel=1e-12)
 
 
 def test_where_the_flow_follows_the_rudder_there_is_no_normal_force() -> None:
     """Drift to port at half straightening: the flow comes at the rudder's own angle."""
     angle = np.arctan(0.5 * 0.2)
-    assert value(rudder.helm_surge, angle, v=-0.2) == pytest.approx(0.0, abs=1e-12)
+    assert value(mmg.helm_surge, angle, v=-0.2) == pytest.approx(0.0, abs=1e-12)
 
 
 def steered_ship() -> nw.Model:

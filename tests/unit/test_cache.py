@@ -13,7 +13,7 @@ import pytest
 
 import narrows as nw
 from narrows.codegen import cache
-from narrows.codegen.choices import Choices
+from narrows.codegen.free_motion import Choices
 from narrows.codegen.system import System
 
 SAIL = """

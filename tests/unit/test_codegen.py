@@ -10,11 +10,10 @@ import pytest
 import narrows as nw
 from direct_equation import accelerations
 from engine_models import ACTUATED, TABLES, cross_flow, model_of, rates_by_hand, states, steered, values_of
-from narrows.codegen.choices import Choices
-from narrows.codegen.free_motion import STATE, solve_motion
+from narrows.codegen.free_motion import STATE, Choices, solve_motion
 from narrows.codegen.system import System
 from narrows.codegen.trace import trace_of_terms
-from narrows.quantities import dimensions as dim
+from narrows.quantities import names as dim
 from narrows.simulation.ship import SimulatedShip, along_waterway, straight_channel
 
 PUSHED = Choices(pushed="always")

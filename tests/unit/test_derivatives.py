@@ -7,8 +7,8 @@ import pytest
 import sympy
 
 from engine_models import ACTUATED, bent, function_of
-from narrows.codegen.choices import ROW
-from narrows.codegen.derivatives import slope, with_tangents
+from narrows.codegen.free_motion import ROW
+from narrows.codegen.kernel import slope, with_tangents
 from narrows.codegen.lines import FUNCTIONS, Lines, real
 from narrows.codegen.printers.python import function_text
 from narrows.codegen.step import step_of

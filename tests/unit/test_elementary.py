@@ -8,8 +8,8 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from narrows.codegen.choices import ROW
 from narrows.codegen.compilation import address
+from narrows.codegen.free_motion import ROW
 from narrows.codegen.printers.python import module_text
 from narrows.codegen.system import column_functions, scalar_functions
 

@@ -7,8 +7,7 @@ import pytest
 import sympy
 
 from engine_models import function_of
-from narrows.codegen.choices import ROW
-from narrows.codegen.free_motion import exact_number
+from narrows.codegen.free_motion import ROW, exact_number
 from narrows.codegen.lines import (
     CUT,
     FUNCTIONS,

@@ -10,7 +10,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 import narrows as nw
-from narrows.quantities import dimensions
+from narrows.quantities import names as dimensions
 from narrows.quantities.names import MOTION
 from narrows.readers.cells import parse_header
 from tables import frame_of, written

@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from engine_models import TABLES, model_of
 from narrows.codegen.trace import Notes, Trace, trace_of, trace_of_terms
-from narrows.quantities import dimensions as dim
+from narrows.quantities import names as dim
 from narrows.quantities.arithmetic import angle, choice, clip, maximum, minimum
 
 FLOATS = {

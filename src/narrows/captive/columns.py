@@ -15,8 +15,7 @@ import pandas as pd
 
 from narrows.base.errors import InputError, near_miss
 from narrows.captive.tests import LABELS, Headers
-from narrows.quantities.dimensions import is_unit, unit_named
-from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity
+from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity, is_unit, unit_named
 from narrows.readers.cells import Vocabulary, floats, quantity_of, split_header
 from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of

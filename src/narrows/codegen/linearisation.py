@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.choices import Actuated
-from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.free_motion import INPUTS, STATE, Actuated
 from narrows.quantities.names import FORCES, Number
 
 LINEARISED = ("x", "y", "psi", "u", "v", "r")  # State of a linearised model; the heading is one angle [rad] here

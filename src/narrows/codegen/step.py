@@ -10,25 +10,23 @@ from functools import cached_property, lru_cache, partial
 
 import sympy
 
-from narrows.codegen.choices import (
+from narrows.codegen.free_motion import (
+    ACCELERATIONS,
     AFLOAT_SPEED,
     AFTER,
+    CORNERS,
     COUNTED,
     CURRENT_ACROSS,
     FIELD,
+    INPUTS,
     LENGTH,
+    MIDSHIP,
+    OPEN,
     SHARE,
+    STATE,
     TIME,
     WATER,
     Choices,
-)
-from narrows.codegen.free_motion import (
-    ACCELERATIONS,
-    CORNERS,
-    INPUTS,
-    MIDSHIP,
-    OPEN,
-    STATE,
     Expr,
     FreeMotion,
     exact_number,
@@ -47,8 +45,8 @@ from narrows.codegen.lines import (
     straight_lines,
     symbols_of,
 )  # fmt: skip
-from narrows.physics.current import current_gradient
-from narrows.physics.rudder import gear_motion
+from narrows.physics.hull import current_gradient
+from narrows.physics.propeller_and_rudder import gear_motion
 
 TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
 
@@ -86,10 +84,13 @@ class Rates:
         results = lines.inline(f"e{tag}_", *self._parts[2], where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
+    @property
+    def symbols(self) -> dict[str, Expr]:
+        return {name: real(name) for name in (*STATE, *self.moving)}
+
     def program(self) -> tuple[Lines, dict[str, Expr]]:
         lines = Lines()
-        names = {*STATE, *self.moving}
-        return lines, self.written(lines, "", {name: real(name) for name in names})
+        return lines, self.written(lines, "", self.symbols)
 
 
 @lru_cache(maxsize=32)

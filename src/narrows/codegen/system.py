@@ -17,8 +17,7 @@ from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
 
 if TYPE_CHECKING:
-    from narrows.codegen.choices import Actuated, Choices
-    from narrows.codegen.free_motion import Surge
+    from narrows.codegen.free_motion import Actuated, Choices, Surge
     from narrows.codegen.linearisation import Linearisation
     from narrows.codegen.step import Rates
 
@@ -119,14 +118,14 @@ class System:
         return scope
 
     def _written(self, name: str, *parts: Any) -> str:
-        from narrows.codegen import derivatives, kernel  # They need SymPy, which a cached text does not
+        from narrows.codegen import kernel  # It needs SymPy, which a cached text does not
 
         if name == "jacobian":
-            return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
+            return kernel.jacobian_text(self.rates, self.table.names, *parts)
         texts: dict[str, Callable[..., str]] = {
             "plain": kernel.plain_text,
             "kernel": kernel.kernel_text,
-            "tangent": derivatives.tangent_text,
+            "tangent": kernel.tangent_text,
         }
         return texts[name](self.choices, self.rates, *parts)
 

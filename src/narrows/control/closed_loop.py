@@ -13,7 +13,7 @@ import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
-from narrows.codegen.choices import COUNTED, TIME, WATER
+from narrows.codegen.free_motion import COUNTED, TIME, WATER
 from narrows.control import settings
 from narrows.control.linear_system import loop_margins
 from narrows.control.predictive.course_ahead import water_ahead

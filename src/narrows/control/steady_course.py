@@ -11,8 +11,7 @@ import xarray as xr
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.codegen.cache import compiled_loops, import_generated
-from narrows.codegen.choices import Actuated, Law
-from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.free_motion import INPUTS, STATE, Actuated, Law, Surge
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.trace import trace_of
 from narrows.control.linear_system import LinearSystem
@@ -141,7 +140,7 @@ def _balance_text(system: "System") -> str:
     """Write the module of a ship's ``balance`` on a steady course, with the names of its inputs in ``COLUMNS``."""
     import sympy
 
-    from narrows.codegen.derivatives import with_tangents
+    from narrows.codegen.kernel import with_tangents
     from narrows.codegen.lines import FUNCTIONS, Lines, real
     from narrows.codegen.printers.python import Arithmetic, module_text
 

@@ -13,11 +13,10 @@ from sympy import Float
 
 from narrows.base.errors import InputError
 from narrows.base.files import is_stream
-from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuated, Choices, Law
-from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
+from narrows.codegen.free_motion import AFLOAT_SPEED, INPUTS, LENGTH, OPEN, Actuated, Choices, Law, exact_number
+from narrows.codegen.kernel import coefficient_slopes, linear_slopes
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import FUNCTIONS, Lines, Program, names_in, real, straight_lines
+from narrows.codegen.lines import FUNCTIONS, Expr, Lines, Program, names_in, real, straight_lines
 from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
@@ -47,8 +46,8 @@ FORCES_FROM_OUTSIDE = {
 }
 OTHERS = {
     "current": Quantity("m/s", "current along the line of the waterway where its flow is 1"),
-    "counted_psi": Quantity("rad", "heading that counts whole turns"), TIME: Quantity("s", "time"),
-    SURGE_INERTIA: Quantity("kg", "added to the mass in surge"),
+    "counted_psi": Quantity("rad", "heading that counts whole turns"), "t": Quantity("s", "time"),
+    "surge_inertia": Quantity("kg", "added to the mass in surge"),
 }  # fmt: skip
 OF_HULL = Quantity("m", "of the hull that meets a bank")
 # Unit and meaning of an actuator's limits, by the ending of the name.
@@ -110,10 +109,6 @@ class ExportedShip:
     def kept(self) -> tuple[str, ...]:
         return self.choices.kept
 
-    @property
-    def gear(self) -> tuple[str, ...]:
-        return tuple(name for name in self.kept if name not in (*STATE, COUNTED))
-
     @cached_property
     def rates(self) -> Rates:
         """The rates of the state; everything that a caller may change counts as moving."""
@@ -126,19 +121,15 @@ class ExportedShip:
         """A whole step, with the places where a loop over vessels may be split."""
         return step_of(self.rates, self.choices, whole=True)
 
-    @property
-    def _symbols(self) -> dict[str, Expr]:
-        return {name: real(name) for name in (*STATE, *self.rates.moving)}
-
     @cached_property
     def _rates_here(self) -> tuple[Lines, dict[str, Expr]]:
         lines = Lines()
-        rates = rate_here(lines, self.rates, self.choices, self._symbols, "")
-        return lines, {**rates, "psi": rates[COUNTED]}
+        rates = rate_here(lines, self.rates, self.choices, self.rates.symbols, "")
+        return lines, {**rates, "psi": rates["counted_psi"]}
 
     @cached_property
     def _equations(self) -> dict[str, Program]:
-        (lines, rates), by, near, symbols = self._rates_here, Lines(), Lines(), self._symbols
+        (lines, rates), by, near, symbols = self._rates_here, Lines(), Lines(), self.rates.symbols
         if self.waterway:
             symbols, _ = section_here(by, self.rates, self.choices, symbols, "")
         more, entries = linear_slopes(lines, rates, self.ship.actuators)
@@ -147,7 +138,7 @@ class ExportedShip:
         programs = {
             "rates": Program.of(lines, [rates[name] for name in self.kept if name in rates]),
             "step": Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")]),
-            "least_clearance": Program.of(near, least_clearance(near, self.choices, self._symbols)),
+            "least_clearance": Program.of(near, least_clearance(near, self.choices, self.rates.symbols)),
             "by_state": Program.of(more, [entry for row in rows for entry in row[:6]]),
             "by_input": Program.of(more, [entry for row in rows for entry in row[6:]]),
             "by_coefficient": Program.of(by, coefficient_slopes(by, self.rates, names, symbols)),
@@ -180,7 +171,7 @@ class ExportedShip:
         lines, rates = self._rates_here
         motion = Program.of(lines, [rates[name] for name in LINEARISED])
         # The rate equals that of a whole step.
-        moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
+        moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.choices.gear]
         return motion, Program.of(self.step.lines, moved)
 
     @cached_property
@@ -290,11 +281,6 @@ class ExportedShip:
     @property
     def controls(self) -> tuple[str, ...]:
         return (*INPUTS.values(), *(actuator.name for actuator in self.ship.actuators))
-
-    @property
-    def exact(self) -> bool:
-        """True if the exact clearance is computed once its lower bound reaches zero."""
-        return self.waterway is not None and self.ship.shape not in (MIDSHIP, OPEN)
 
     @cached_property
     def afloat_speed(self) -> float:

@@ -111,7 +111,7 @@ def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
 _ROWS = (
     Exporter(
         "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave, or as an FMU",
-        (".m", ".h", ".cs", ".mjs", ".fmu"), ("force_files", "force_file"), ("fmi",),
+        (".m", ".h", ".cs", ".mjs", ".fmu"), ("fmu", "force_file"), ("fmi",),
     ),
     Exporter("c", "a header of C99 and C++, or one with a class", (".h", ".hpp"), SHIP_FILE, SHIP),
     Exporter(

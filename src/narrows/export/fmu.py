@@ -24,15 +24,15 @@ from types import MappingProxyType
 from typing import Any
 
 from narrows.base.errors import InputError, needs
-from narrows.codegen.choices import COUNTED
-from narrows.codegen.free_motion import OPEN
+from narrows.codegen.free_motion import COUNTED, OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.printers.c import C
-from narrows.export.exported_ship import HEADING, USUAL_PREFIX, ExportedNumber, ExportedShip
-from narrows.export.passport import RANGE_BITS, bits_in_words, passport
-from narrows.export.ship_files import c_text, commented, filled, places_in, rendered
+from narrows.export.exported_ship import HEADING, USUAL_PREFIX, ExportedNumber, ExportedShip, prefix_of
+from narrows.export.passport import ASKED_OF_BANK, RANGE_BITS, bits_in_words, passport
+from narrows.export.ship_files import c_text, commented, filled, force_text, places_in, rendered
+from narrows.model.bank_force import CONTACT
 from narrows.model.model import Model
-from narrows.quantities.dimensions import dimension_of
+from narrows.quantities.names import FORCES, MOTION, dimension_of
 from narrows.ship.checks import POSITIVE, SMALLEST
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
@@ -167,7 +167,7 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
     yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
     known = {one.name: (one.name, one.unit, one.meaning) for one in exported.state}
     known["psi"] = "psi", "rad", HEADING
-    states = [known[name] for name in (*LINEARISED, *exported.gear)]
+    states = [known[name] for name in (*LINEARISED, *exported.choices.gear)]
     for name, unit, meaning in states:
         yield FmuVariable(name, Kind.STATE, unit, meaning, speed if name == "u" else 0.0)
     for number, (name, unit, _) in enumerate(states):
@@ -312,3 +312,40 @@ def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int,
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
         structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **context,
     )  # fmt: skip
+
+
+# The bank's force as an FMU without states, or as one function in a language.
+def force_file(model: Model, path: str | Path, suffix: str, fmi: int = 2) -> tuple[str | bytes, tuple[str, ...] | None]:
+    """Return a function, or an FMU without states, whose outputs are the force at its inputs."""
+    prefix = prefix_of(path)
+    if suffix != ".fmu":
+        return force_text(model, suffix, prefix), None
+    variables = tuple(_bank_variables(model))
+    start = [C().literal(one.start or 0.0) for one in variables if one.kind is Kind.INPUT]
+    filling = partial(filled, "bank_choices.h.j2", deviations=2 * (model.covariance is not None), start=start)
+    sources = {"bank.h": force_text(model, ".h", "bank"), "instance.h": source_of("bank_instance.h")}
+    about = passport(model)
+    return fmu_of(model, variables, sources, filling, about, fmi, identifier=prefix, stop=1.0, output=0.1)
+
+
+def _bank_variables(model: Model) -> Iterator[FmuVariable]:
+    """Variables in the order of ``bank_instance.h``."""
+    ship, canal = model.configuration.ship, model.configuration.canal
+    foot = "from the line to the foot of the {} bank"
+    sloped = "how far the {} bank recedes for each metre that it rises"
+    yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
+    yield FmuVariable("y", Kind.INPUT, "m", MOTION["y"].meaning, 0.0)
+    yield FmuVariable("psi", Kind.INPUT, "rad", HEADING, 0.0)
+    yield FmuVariable("u", Kind.INPUT, "m/s", MOTION["u"].meaning, float(voyage_defaults(model).speed))
+    for side in SIDES:
+        yield FmuVariable(side, Kind.INPUT, "m", foot.format(side), canal.width / 2)
+    for side in SIDES:
+        yield FmuVariable(f"slope_{side}", Kind.INPUT, "1", sloped.format(side), 0.0, 0, (0.0, math.inf))
+    # A model whose canal has no depth needs none; the file needs one over the draft.
+    yield FmuVariable("depth", Kind.INPUT, "m", "water depth", canal.depth or 2.0 * ship.draft, 0, (SMALLEST, math.inf))
+    for of in ("", "standard deviation of the ")[: 1 if model.covariance is None else 2]:
+        for force in "YN":
+            name, (unit, meaning) = f"{force}{'_deviation' * bool(of)}", FORCES[force]
+            yield FmuVariable(name, Kind.CALCULATED, unit, f"{of}{meaning}")
+    bits = f"quantities outside the tested range, a sum of: {bits_in_words(model, ASKED_OF_BANK)}"
+    yield FmuVariable("beyond", Kind.WHOLE, "1", f"{bits}; {CONTACT} if the hull touches a bank or the bottom")

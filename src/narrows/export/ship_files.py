@@ -8,19 +8,23 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
-from narrows.codegen.free_motion import INPUTS, OPEN, STATE
+import sympy
+
+from narrows.base.errors import InputError
+from narrows.codegen.free_motion import AFLOAT_SPEED, COLUMNS, COUNTED, INPUTS, LENGTH, OPEN, STATE, Expr, exact_number
 from narrows.codegen.kernels import event, single
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import Lines, Program
+from narrows.codegen.lines import FUNCTIONS, Lines, Program, real, straight_lines
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
 from narrows.codegen.printers.latex import Equations, environment
 from narrows.codegen.printers.python import PlainSource
-from narrows.codegen.printers.translation import JavaScript, Language, Matlab, PythonFile, Translation
+from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab, PythonFile, Translation
+from narrows.codegen.trace import trace_of_terms
 from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
-from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data, passport
+from narrows.export.passport import ASKED_OF_BANK, RANGE_BITS, bits_in_words, ends_of_data, passport
+from narrows.model.bank_force import CONTACT, beside_banks
 from narrows.model.model import Model
-from narrows.quantities.names import FORCES
+from narrows.quantities.names import FORCES, MOTION
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import bank_clearance
@@ -40,7 +44,7 @@ PLAIN = (event, bank_clearance, single)
 def plain_functions(exported: ExportedShip) -> PlainSource:
     absent, waterway = frozenset[str]() if exported.waterway else frozenset({"waterway"}), exported.waterway is not None
     rule = {
-        "EXACT": exported.exact,
+        "EXACT": exported.choices.exact,
         "WATERWAY": waterway,
         "LEAVES": exported.choices.leaves,
         "KEPT": len(exported.kept),
@@ -98,7 +102,7 @@ def numbers_of(source: PlainSource, names: Set[str]) -> list[tuple[str, Any, str
 
 def last_functions(exported: ExportedShip, source: PlainSource) -> list[ast.FunctionDef]:
     """Return the plain functions at the end of a file: the clearance if the hull is known, and the voyage."""
-    return source.needed(*(("clearance",) * exported.exact), "integrate")
+    return source.needed(*(("clearance",) * exported.choices.exact), "integrate")
 
 
 def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | None:
@@ -219,7 +223,7 @@ def matlab_text(exported: ExportedShip) -> str:
     motion, gear = exported.continuous
     asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked, *exported.water}]
     where |= {name: name for name in asked}
-    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *exported.gear)}
+    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *exported.choices.gear)}
     targets = list(rates.values())
     lines = [
         *language.body(motion, targets[: len(LINEARISED)], where),
@@ -241,7 +245,7 @@ def matlab_text(exported: ExportedShip) -> str:
 
 def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
     states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
-    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.gear)]
+    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.choices.gear)]
 
 
 def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:
@@ -265,3 +269,59 @@ TEXTS: dict[str, Callable[[ExportedShip], str]] = {
 
 def ship_file(model: Model, path: str | Path, suffix: str, **choices: Any) -> tuple[str, None]:
     return TEXTS[suffix](ExportedShip.of(model, path, **choices)), None
+
+
+# The bank's force of a model as one function in another language, for simulators with their own hull model.
+# Inputs from the caller: ship and water.
+ASKED = ("y", "cos_psi", "sin_psi", "u", "width", "depth")
+RESULTS = ("Y", "N", "Y_variance", "N_variance")
+
+
+def force_program(model: Model) -> Program:
+    if not model.has_bank:
+        raise InputError(model.bank_note)
+    trace, values = trace_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
+    # The bank's force does not depend on rudder, propeller and accelerations.
+    inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in trace.inputs}
+    inputs |= {name: real(name) for name in ASKED}
+    regressors = trace.replay(inputs, exact_number, FUNCTIONS)
+    own = [[term.name for term in group if term.from_bank] for group in list(model.terms.forces.values())[1:]]
+    forces = [sum((exact_number(model[name]) * regressors[name] for name in names), sympy.Integer(0)) for names in own]
+    lines, results = straight_lines([*forces, *(_variance(model, names, regressors) for names in own)])
+    return Program(tuple(lines), tuple(results))
+
+
+def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) -> Expr:
+    if model.covariance is None:
+        return sympy.Integer(-1)
+    places = [model.terms.names.index(name) for name in names]
+    return sum(
+        (
+            exact_number(float(model.covariance[row, column])) * regressors[one] * regressors[other]
+            for row, one in zip(places, names, strict=True)
+            for column, other in zip(places, names, strict=True)
+        ),
+        sympy.Integer(0),
+    )
+
+
+# By the suffix of a file: its language, and its declaration of a result.
+LANGUAGES: dict[str, tuple[type[Language], str]] = {
+    ".h": (C, "const double {}"), ".cs": (CSharp, "double {}"), ".mjs": (JavaScript, "const {}"), ".m": (Matlab, "{}"),
+}  # fmt: skip
+
+
+def force_text(model: Model, suffix: str, prefix: str) -> str:
+    language, declared = LANGUAGES[suffix]
+    written, hull = language(prefix), model.configuration.ship
+    lines = written.body(force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED})
+    y, psi, sine = (written.called("abs", name) for name in ("y", "psi", "sin_psi"))
+    section = f"width / {hull.beam!r}", f"depth / {hull.draft!r}"
+    sizes = dict(zip(ASKED_OF_BANK, ("u", y, psi, *section), strict=True))
+    ends = ends_of_data(beside_banks(model), ASKED_OF_BANK).items()
+    return filled(
+        f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,
+        tested=[(sizes[name], bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
+        reach=f"{0.5 * hull.length!r} * {sine} + {0.5 * hull.beam!r} * cos_psi", draft=repr(hull.draft),
+        about=[commented(line) for line in passport(model)], bits=bits_in_words(model, ASKED_OF_BANK),
+    )  # fmt: skip

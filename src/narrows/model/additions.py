@@ -8,11 +8,10 @@ from typing import Any
 
 from narrows.base.errors import InputError
 from narrows.model.term import DEPTH, FREE, NONNEGATIVE, Bound, Term, TermKind, TermTable
-from narrows.physics import propeller, rudder
+from narrows.physics import propeller_and_rudder as mmg
 from narrows.physics.hull import HullPower
 from narrows.quantities.arithmetic import maximum, minimum
-from narrows.quantities.dimensions import NUMBER
-from narrows.quantities.names import Number, name_of
+from narrows.quantities.names import NUMBER, Number, name_of
 
 
 class Asked:
@@ -79,7 +78,7 @@ class Addition:
 
 HELM = Addition(
     "helm", "a rudder", "helm", "{helm}",
-    {"surge": Grouped(rudder.helm_surge), "sway": Grouped(rudder.helm_sway), "yaw": Grouped(rudder.helm_yaw)},
+    {"surge": Grouped(mmg.helm_surge), "sway": Grouped(mmg.helm_sway), "yaw": Grouped(mmg.helm_yaw)},
     TermKind.RUDDER, "form of Yasukawa and Yoshimura (2015)", NONNEGATIVE, is_alone=True,
 )  # fmt: skip
 
@@ -92,12 +91,12 @@ ASYMMETRY = Addition(
 STRAIGHTENED = "rudder_straightening_port"  # Input of the rudder of the MMG standard method
 STRAIGHTENING = Addition(
     "", "a flow straightening by side", "straightening", r"{\gamma}'",
-    {"sway": Grouped(rudder.straightening_sway), "yaw": Grouped(rudder.straightening_yaw)},
+    {"sway": Grouped(mmg.straightening_sway), "yaw": Grouped(mmg.straightening_yaw)},
     TermKind.RUDDER, "gamma_R by side of Yasukawa and Yoshimura (2015)",
 )  # fmt: skip
 RUDDER_EVEN = Addition(
     "", "a rudder that is stronger to one side", "rudder_even", r"{\delta\delta}'",
-    {"sway": Grouped(rudder.even_rudder_sway), "yaw": Grouped(rudder.even_rudder_yaw)},
+    {"sway": Grouped(mmg.even_rudder_sway), "yaw": Grouped(mmg.even_rudder_yaw)},
     TermKind.RUDDER, "Y_deltadelta and N_deltadelta of polynomial manoeuvring models, as in Abkowitz (1964)",
 )  # fmt: skip
 
@@ -111,7 +110,7 @@ def asymmetric(table: TermTable) -> TermTable:
 # The push of a propeller that turns astern, relative to the Esso Osaka's.
 TRANSVERSE_THRUST = Addition(
     "transverse_thrust", "a transverse thrust", "astern", "{astern}",
-    {"sway": Grouped(propeller.transverse_thrust), "yaw": Grouped(propeller.transverse_thrust_yaw)},
+    {"sway": Grouped(mmg.transverse_thrust), "yaw": Grouped(mmg.transverse_thrust_yaw)},
     TermKind.PROPELLER, "MMG model of the Esso Osaka astern, Osaka University",
 )  # fmt: skip
 

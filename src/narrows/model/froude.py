@@ -13,8 +13,7 @@ from narrows.model.data_range import MEASURES, DataRange, extrapolation
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect
 from narrows.model.water import ship_mass
-from narrows.quantities.dimensions import Dimension, dimension_of
-from narrows.quantities.names import GRAVITY, PARTICULARS
+from narrows.quantities.names import GRAVITY, PARTICULARS, Dimension, dimension_of
 from narrows.ship.checks import is_finite
 from narrows.ship.particulars import Canal, Configuration, Water
 

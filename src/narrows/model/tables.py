@@ -21,12 +21,12 @@ from narrows.model.term import (
     TermTable,
     without,
 )
-from narrows.physics import clearance, hull, propeller, rudder
+from narrows.physics import clearance, hull
+from narrows.physics import propeller_and_rudder as mmg
 from narrows.physics.clearance import cushion, suction
 from narrows.physics.hull import AddedMass, HullPower, Product
-from narrows.quantities import dimensions as dim
-from narrows.quantities.dimensions import NUMBER
-from narrows.quantities.names import Number, argument_names, evaluate, name_of
+from narrows.quantities import names as dim
+from narrows.quantities.names import NUMBER, Number, argument_names, evaluate, name_of
 
 
 @dataclass(frozen=True)
@@ -285,22 +285,22 @@ MMG = TermTable(
             scale_effect=ScaleEffect.FRICTION,
         ),
         *_polynomial("X", SURGE_POWERS),
-        Term("X_thrust", r"1 - t_P", Grouped(propeller.thrust), NUMBER, NONNEGATIVE,
+        Term("X_thrust", r"1 - t_P", Grouped(mmg.thrust), NUMBER, NONNEGATIVE,
              TermKind.PROPELLER, SOURCE, scale_effect=WAKE),
-        _rudder("X_rudder", r"1 - t_R", rudder.rudder_surge),
+        _rudder("X_rudder", r"1 - t_R", mmg.rudder_surge),
     ),
     sway=(
         _mass("Y_mass", r"m", hull.rigid_sway),
         _mass("Y_my", r"m_y'", AddedMass("vdot")),
         _mass("Y_mx", r"m_x'", AddedMass("u r")),
         *_polynomial("Y", TURNING_POWERS),
-        _rudder("Y_rudder", r"1 + a_H", rudder.rudder_sway),
+        _rudder("Y_rudder", r"1 + a_H", mmg.rudder_sway),
     ),
     yaw=(
         _mass("N_mass", r"I_z", hull.rigid_yaw),
         _mass("N_jz", r"J_z'", AddedMass("rdot", power=3)),
         *_polynomial("N", TURNING_POWERS, lever=1),
-        _rudder("N_rudder", r"-(x_R' + a_H x_H')", rudder.rudder_yaw),
+        _rudder("N_rudder", r"-(x_R' + a_H x_H')", mmg.rudder_yaw),
     ),
     ties=(("X_mass", "Y_mass"), ("X_mass", "N_mass"), ("X_mx", "Y_mx"), ("X_my", "Y_my")),
     letters=("X", "Y", "N"),

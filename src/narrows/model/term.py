@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.base.results import BaseSummary
 from narrows.physics import squat_and_depth
-from narrows.quantities.dimensions import Dimension
-from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, argument_names
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Dimension, Number, Quantity, argument_names
 from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
 
 if TYPE_CHECKING:

@@ -139,3 +139,23 @@ def clarke_yaw(length: float, beam: float, draft: float, block_coefficient: floa
     """Added moment of inertia in yaw about midship in deep water [kg m2]. Source: Clarke, Gedling and Hine (1983)."""
     slender = 1 / 12 + 0.017 * block_coefficient * beam / draft - 0.33 * beam / length
     return math.pi * (draft / length) ** 2 * slender * density * length**5 / 2
+
+
+def current_gradient(
+    cos_psi: Number, sin_psi: Number, u: Number, v: Number, across_slope: Number, shear: Number
+) -> tuple[Number, Number, Number]:
+    """Return what a current that is not the same everywhere does to a hull: turn [1/s], accelerations [m/s2].
+
+    The water turns along the hull at ``turn``: the hull forces depend on the yaw rate less this. Its change takes the
+    accelerations ahead and to starboard from a mass. ``across_slope`` [1/s] is the rise of the current across along the
+    way, ``shear`` [1/s] that of the current along to starboard. Source: Thomasson and Woolsey (2013), Vehicle motion in
+    currents, IEEE Journal of Oceanic Engineering, for the inertia in a flow with gradients; Fossen (2011), Handbook of
+    marine craft hydrodynamics and motion control, for a uniform current, which leaves the equations of the velocity
+    through the water as they are.
+    """
+    # The gradient G of the current acts on the velocity w through the water. A floating ship displaces its own mass of
+    # water, so m (d/dt of the current that it meets) less the pressure of the accelerating water leaves m G w. The hull
+    # forces, Coriolis forces among them, take the yaw rate less turn; the rigid body turns by the whole of it.
+    along, off = shear * (u * sin_psi + v * cos_psi), across_slope * (u * cos_psi - v * sin_psi)
+    turn = across_slope * cos_psi * cos_psi - shear * sin_psi * sin_psi
+    return turn, along * cos_psi + off * sin_psi - turn * v, off * cos_psi - along * sin_psi + turn * u

@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 
 from narrows.base.errors import InputError, needs, reason, shown
-from narrows.quantities.dimensions import unit_named
-from narrows.quantities.names import Quantity
+from narrows.quantities.names import Quantity, unit_named
 from narrows.readers.frames import Sheet
 from narrows.readers.settings import LARGEST, LONGEST_CELL
 from narrows.readers.text_table import FIRST_ROW, seen

@@ -16,7 +16,7 @@ import pandas as pd
 
 from narrows.base.errors import InputError, shown
 from narrows.base.progress import opened
-from narrows.quantities.dimensions import is_unit
+from narrows.quantities.names import is_unit
 from narrows.readers.settings import DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
 
 FIRST_ROW = 2  # Row number below a header in an editor: the index of a frame counts from there

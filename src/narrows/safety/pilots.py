@@ -12,7 +12,7 @@ import xarray as xr
 from narrows.base.errors import InputError, check_count
 from narrows.base.progress import bar
 from narrows.base.results import BaseSummary
-from narrows.codegen.choices import AFTER
+from narrows.codegen.free_motion import AFTER
 from narrows.control.regulator import DEFAULT_WEIGHTS, FEEDBACK, HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
 from narrows.control.steady_course import solve_courses, with_propulsion

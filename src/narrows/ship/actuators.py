@@ -9,8 +9,7 @@ import numpy as np
 
 from narrows.base.errors import InputError
 from narrows.base.results import Aliased
-from narrows.quantities.dimensions import Dimension, dimension_of
-from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Number, Quantity
+from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Dimension, Number, Quantity, dimension_of
 from narrows.ship.checks import check_fields
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
-from narrows.codegen.choices import LENGTH, SHARE
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN
+from narrows.codegen.free_motion import INPUTS, LENGTH, MIDSHIP, OPEN, SHARE
 from narrows.codegen.kernels import event, single
 from narrows.codegen.system import System
 from narrows.model.model import Model

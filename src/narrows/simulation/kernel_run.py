@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.base.errors import InputError, installing, libraries_of, needs
-from narrows.codegen import choices
+from narrows.codegen import free_motion
 from narrows.codegen.cache import compiled_loops, lacks_compiler
-from narrows.codegen.choices import Across, Pushed, stages_at
-from narrows.codegen.free_motion import INPUTS
+from narrows.codegen.free_motion import INPUTS, Across, Pushed, stages_at
 from narrows.codegen.kernels import event
 from narrows.codegen.system import DEFAULTS, System
 from narrows.model.water import is_full
@@ -75,7 +74,7 @@ class PreparedRun:
             (
                 self.start[part], self.times[part], inputs if len(inputs) == 1 else inputs[part],
                 self.end[part], self.time[part], self.codes[part],
-                np.zeros(self.kernel.FIELDS * lanes + choices.CACHE_LINE), np.zeros((lanes, event.PLACES)),
+                np.zeros(self.kernel.FIELDS * lanes + free_motion.CACHE_LINE), np.zeros((lanes, event.PLACES)),
                 np.zeros(lanes, np.int64),
             )
             for part in (slice(first, first + size) for first in range(0, vessels, size or 1))
@@ -138,7 +137,7 @@ class KernelRun:
         """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
         system = self.system(values)
         ends = dict(zip(system.choices.kept, np.asarray(prepared.end, float).T, strict=True))
-        ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(choices.COUNTED, values["psi"]))
+        ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(free_motion.COUNTED, values["psi"]))
         distance = ends["x"] - np.asarray(values["x"], float)
         outcome, side = prepared.codes.astype(np.int8).T
         if (outcome == event.SHALLOW).any():
@@ -168,7 +167,7 @@ class KernelRun:
             stacked = np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
             return np.ascontiguousarray(stacked)
 
-        shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in choices.SHARED], float)
+        shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in free_motion.SHARED], float)
         rows = vessels if any(np.ndim(inputs[name]) for name in kernel.VESSEL_INPUTS) else 1
         kept, own = table(kernel.KEPT_NAMES, self.start(values), vessels), table(kernel.VESSEL_INPUTS, inputs, rows)
         return PreparedRun(kernel, kept, times, own, shared, channel, limits, workers or cores())
@@ -180,7 +179,7 @@ class KernelRun:
             pushed = "until"
         elif any(np.any(values[name]) for name in INPUTS):
             pushed = "always"
-        across: Across = "uniform" if choices.CURRENT_ACROSS in values else across_of(self.waterway)
+        across: Across = "uniform" if free_motion.CURRENT_ACROSS in values else across_of(self.waterway)
         law = self.steering.law if self.steering else None
         return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
 
@@ -188,7 +187,7 @@ class KernelRun:
         rest = {name: value for name, value in values.items() if name not in START and name not in INPUTS}
         positions = {one.name: values[one.name] for one in self.ship.actuators if one.name in values}
         ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in INPUTS}}
-        ship |= {choices.AFTER(INPUTS[name]): values.get(choices.AFTER(name), 0.0) for name in INPUTS}
+        ship |= {free_motion.AFTER(INPUTS[name]): values.get(free_motion.AFTER(name), 0.0) for name in INPUTS}
         channel = self.channel(ship)
         law = self.steering.parameters if self.steering else {}
         law = {name: values.get(name, value) for name, value in law.items()}
@@ -201,7 +200,7 @@ class KernelRun:
         """Return the state at the start: actuators at rest unless given, each order on its way equal to them."""
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
-        state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), choices.COUNTED: psi, choices.TIME: 0.0}
+        state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), free_motion.COUNTED: psi, free_motion.TIME: 0.0}
         positions = {**self.ship.values(), **values}
         state |= {one.name: 0.0 if (at := positions.get(one.name)) is None else at for one in self.ship.actuators}
         state |= stages_at(self.ship.actuators, state.__getitem__)
@@ -263,10 +262,10 @@ class ShipLanes:
         self._constants = [self._inputs.get(name) for name in self._system.scalar.CONSTANTS]
         self._base, self._slope = self._by_bank()
         self._none = np.zeros_like(self._base)
-        self._water = self.prepared.channel.table.reshape(-1, choices.ROW) if waterway else None
+        self._water = self.prepared.channel.table.reshape(-1, free_motion.ROW) if waterway else None
         self._endless, self._lasting = endless, (0.0, 0)
         if endless:
-            self.prepared.shared[choices.SHARED.index("x_last")] = ENDLESS
+            self.prepared.shared[free_motion.SHARED.index("x_last")] = ENDLESS
 
     def _values(self, bank: float) -> dict[str, Any]:
         model = self.ship.model
@@ -304,7 +303,7 @@ class ShipLanes:
             return 0.0
         cells = len(self._water)
         place = min(max(x / self.waterway.line.length * cells, 0.0), cells - 1e-9)
-        first, rise = self._water[int(place), 2 * choices.COLUMNS.index(name) :][:2]
+        first, rise = self._water[int(place), 2 * free_motion.COLUMNS.index(name) :][:2]
         return float(first + (place - int(place)) * rise)
 
     def advance(

@@ -13,8 +13,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.results import BaseResult
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.choices import COUNTED, LENGTH, stages_at
-from narrows.codegen.free_motion import INPUTS
+from narrows.codegen.free_motion import COUNTED, INPUTS, LENGTH, stages_at
 from narrows.codegen.system import COMPLEX_STEP
 from narrows.model.model import Model
 from narrows.ship.checks import check_angles

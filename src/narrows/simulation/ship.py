@@ -10,9 +10,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from narrows.base.errors import InputError, check_choice
-from narrows.codegen import choices
-from narrows.codegen.choices import Across, Actuated, Choices, Law, Pushed
-from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Outline, Surge
+from narrows.codegen import free_motion
+from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Across, Actuated, Choices, Law, Outline, Pushed, Surge
 from narrows.codegen.kernels import event
 from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.system import System
@@ -80,7 +79,7 @@ def straight_channel(values: Mapping[str, Number], contact: str | Outline, botto
     if not bottom:
         return Channel(inputs)
     fastest, chokes = _afloat(values if contact != OPEN else {**values, "width": math.inf})
-    return Channel({**inputs, choices.AFLOAT_SPEED: fastest}, chokes=chokes)
+    return Channel({**inputs, free_motion.AFLOAT_SPEED: fastest}, chokes=chokes)
 
 
 def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
@@ -110,8 +109,8 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, b
     depth = table.depth
     if np.isnan(depth).all():
         cells, depth = cells.copy(), np.full(len(depth), model.configuration.canal.depth or math.nan)
-        cells[:, 2 * choices.COLUMNS.index("depth")] = depth[:-1]
-        cells[:, 2 * choices.COLUMNS.index("depth") + 1] = 0.0
+        cells[:, 2 * free_motion.COLUMNS.index("depth")] = depth[:-1]
+        cells[:, 2 * free_motion.COLUMNS.index("depth") + 1] = 0.0
     chokes = np.zeros(len(table.s), bool)
     if bottom:
         fastest, chokes = _afloat({**vars(ship), "width": table.starboard + table.port, "depth": depth})
@@ -147,7 +146,7 @@ def _tabulated(
     if key not in known:
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
-        columns = (*choices.COLUMNS, *choices.FIELD * waterway.has_current_field)
+        columns = (*free_motion.COLUMNS, *free_motion.FIELD * waterway.has_current_field)
         cells = _cells(table, near, columns)
         # The cache holds the waterway's parts, so that their memory addresses are not reused.
         known[key] = (table, cells)
@@ -155,7 +154,7 @@ def _tabulated(
     return known[key]
 
 
-def _cells(table: "WaterwayTable", near: "LeastWalls", names: tuple[str, ...] = choices.COLUMNS) -> np.ndarray:
+def _cells(table: "WaterwayTable", near: "LeastWalls", names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
     columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
     cells = np.empty((len(table.s) - 1, 2 * len(names)))
     for index, name in enumerate(names):
@@ -340,7 +339,7 @@ def _law(
 ) -> Law:
     what, known = f"the controller {type(controller).__name__}", [actuator.name for actuator in actuators]
     gear = [f"{actuator.name}{of}" for actuator in actuators for of in ("", "_limit", "_rate")]
-    quantities = {name: name for name in (*STATE, choices.TIME, CURRENT, *gear)} | {"dt": choices.LENGTH}
+    quantities = {name: name for name in (*STATE, free_motion.TIME, CURRENT, *gear)} | {"dt": free_motion.LENGTH}
     ours = {name: PARAMETER(name) for name in parameters} | {name: MEMORY(name) for name in kept}
     for name in ours:
         if name in quantities or name in ("psi", "water") or (name in parameters and name in kept):
@@ -364,5 +363,5 @@ def _law(
 
 def water(name: str, x: Any) -> Any:
     # name [1/m]; x [m]
-    check_choice("the observed section", name, [known.removeprefix(WATER_PREFIX) for known in choices.WATER])
+    check_choice("the observed section", name, [known.removeprefix(WATER_PREFIX) for known in free_motion.WATER])
     return x.apply_function(f"{WATER_PREFIX}{name}", (x,))

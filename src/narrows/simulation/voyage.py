@@ -11,8 +11,7 @@ import narrows
 from narrows.base.aliases import accept_aliases, name_here
 from narrows.base.errors import InputError, check_choice
 from narrows.base.results import Tabulated, same_content
-from narrows.codegen.choices import COUNTED
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, Surge
+from narrows.codegen.free_motion import COUNTED, INPUTS, MIDSHIP, OPEN, Surge
 from narrows.codegen.kernels import event
 from narrows.model.data_range import Measure
 from narrows.model.model import Model

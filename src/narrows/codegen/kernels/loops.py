@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.addresses import call
-from narrows.codegen.choices import DIRECTIONS
+from narrows.codegen.free_motion import DIRECTIONS
 
 Array = Any
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import call
-from narrows.codegen.choices import BOOK, CACHE_LINE, SHARED
+from narrows.codegen.free_motion import BOOK, CACHE_LINE, SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
     BACK,

@@ -11,7 +11,8 @@ from narrows.codegen.lines import FUNCTIONS
 from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
 from narrows.model.additions import Grouped
 from narrows.model.term import TermTable
-from narrows.physics import clearance, hull, propeller, rudder
+from narrows.physics import clearance, hull
+from narrows.physics import propeller_and_rudder as mmg
 from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number, argument_names
 
 # Symbols of quantities, those of propeller and rudder as in the MMG standard method.
@@ -34,15 +35,15 @@ NAMED: dict[str, Callable[..., Any]] = {
     "U": hull.speed,  # Total speed through the water
     r"\tau_\beta": hull.half_drift,  # Tangent of half the drift angle
     r"\beta": hull.drift,  # Drift angle
-    r"\beta_P": propeller.angle_to_propeller,  # Angle of the inflow to the propeller
-    "C_2": propeller.wake_share,  # Wake ratio of a hard turn to straight running
-    "u_P": propeller.inflow,  # Inflow to the propeller
-    r"\tau_P": propeller.loading,  # Thrust over density and squared diameter
-    "T": propeller.thrust,  # Thrust
-    "u_R": rudder.axial_velocity,  # Inflow along the rudder
-    r"\beta_R": rudder.inflow_angle,  # Angle of the inflow to the rudder
-    "v_R": rudder.lateral_velocity,  # Inflow across the rudder
-    "F_N": rudder.normal_force,  # Normal force of the rudder
+    r"\beta_P": mmg.angle_to_propeller,  # Angle of the inflow to the propeller
+    "C_2": mmg.wake_share,  # Wake ratio of a hard turn to straight running
+    "u_P": mmg.inflow,  # Inflow to the propeller
+    r"\tau_P": mmg.loading,  # Thrust over density and squared diameter
+    "T": mmg.thrust,  # Thrust
+    "u_R": mmg.axial_velocity,  # Inflow along the rudder
+    r"\beta_R": mmg.inflow_angle,  # Angle of the inflow to the rudder
+    "v_R": mmg.lateral_velocity,  # Inflow across the rudder
+    "F_N": mmg.normal_force,  # Normal force of the rudder
     r"\delta_B": clearance.delta,  # Pressure parameter of the banks
 }
 DIGITS = 4

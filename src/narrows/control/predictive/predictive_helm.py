@@ -11,14 +11,14 @@ import numpy as np
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, needs
 from narrows.base.results import BaseSummary
-from narrows.codegen.choices import STAGES
+from narrows.codegen.free_motion import STAGES
 from narrows.control.predictive.course_ahead import FORCED, MOTION, RUDDER, CourseAhead, Weights, water_ahead
 from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, predict
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder
 from narrows.model.model import Model
-from narrows.physics.rudder import gear_motion
+from narrows.physics.propeller_and_rudder import gear_motion
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.initial_state import self_propulsion

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.choices import COUNTED
+from narrows.codegen.free_motion import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
 from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GAIN, OFFSET, RUDDER, STATES
 from narrows.model.model import Model

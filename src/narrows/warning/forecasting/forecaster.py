@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.base.errors import InputError, check_count
 from narrows.base.results import BaseSummary
-from narrows.codegen.choices import CURRENT_ACROSS
+from narrows.codegen.free_motion import CURRENT_ACROSS
 from narrows.control.steady_course import RUDDER, local_water, steady_courses
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.states import Estimate

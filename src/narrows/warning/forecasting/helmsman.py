@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.base.results import BaseSummary
-from narrows.codegen.choices import CURRENT_ACROSS, stages_at
+from narrows.codegen.free_motion import CURRENT_ACROSS, stages_at
 from narrows.quantities.arithmetic import choice, clip
 from narrows.quantities.names import FORCES
 from narrows.simulation.controllers import ORDER_TOLERANCE, Named
