@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 from scipy.special import chdtrc
 
@@ -55,7 +56,6 @@ class SteadyFit(LearnedAnswer):
     #: Common errors of all legs in SI, most likely value and standard error: ``wind_Y``, ``wind_N``, ``rudder_zero``,
     #: ``drift_zero``, ``y_zero``
     shared: Mapping[str, tuple[float, float]]
-    latent: np.ndarray  #: (legs, 4) Most likely state of the ship: y [m], u [m/s], rudder, psi [rad]
     chi_square: float  #: Sum of squares of the readings over their expected errors [1]
     freedom: int  #: Its degrees of freedom
     probability: float  #: Probability of at least this sum if model, prior and errors are right [1]
@@ -91,14 +91,10 @@ class SteadyFit(LearnedAnswer):
 
     def to_dict(self) -> dict[str, Any]:
         prior, read = shared_errors(self.conditions, self.prior), self.readings.values
-        y, _, rudder, heading = self.latent.T
-        columns = {
+        legs = pd.DataFrame({
             "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
-            "direction_deg": np.degrees(read["drift"]), "likely_y": y,
-            "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
-            "probability": list(self.leg_probabilities.values()),
-        }  # fmt: skip
-        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+            "direction_deg": np.degrees(read["drift"]), "probability": self.leg_probabilities.values(),
+        })  # fmt: skip
         return {
             "summary": self.summary(),
             "informative": self.informative,
@@ -109,7 +105,7 @@ class SteadyFit(LearnedAnswer):
                 for (name, (_, unit, factor)), before in zip(SHARED.items(), prior.tolist(), strict=True)
             ],
             **{name: getattr(self, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
-            "legs": [dict(zip(columns, row, strict=True)) for row in rows],
+            "legs": legs.to_dict("records"),
             "source": {"table": self.readings.source, "sha256": self.readings.sha256},
             "notes": list(self.notes),
         }  # fmt: skip
@@ -158,7 +154,7 @@ def learn_steady(model: Model, observations: Any, *, conditions: SteadyCondition
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
     findings = tuple(_findings(problem, found, min(by_leg, key=by_leg.__getitem__), probability))
     checks = found.chi_square, found.counted, probability, by_leg, findings
-    return SteadyFit(after, model, learned, readings, conditions, shared, found.latent, *checks)
+    return SteadyFit(after, model, learned, readings, conditions, shared, *checks)
 
 
 def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float) -> Iterator[str]:

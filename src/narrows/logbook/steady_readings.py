@@ -199,7 +199,6 @@ BALANCED = ("Y", "N")  # Forces in balance on a steady leg
 class LegFit(NamedTuple):
     unknowns: np.ndarray  # (P,) Scaled coefficients, then ``UNKNOWN`` over their standard deviations
     information: np.ndarray  # (P, P)
-    latent: np.ndarray  # (legs, 4) Most likely ``LATENT``
     chi_square: float  # Chi-square of the readings under the prior [1]
     left_out: np.ndarray  # (legs,) The part of it that is gone without each leg [1]
     counted: int  # Degrees of freedom
@@ -257,7 +256,7 @@ class LegProblem(Unknowns):
         # The residual of a left-out leg is that of the fit over the part of its own error that no fit takes up.
         share = np.eye(rest.shape[1]) - design @ self.covariance(information) @ design.swapaxes(1, 2)
         left_out = np.einsum("lq,lq->l", rest, np.linalg.solve(share, rest[..., None])[..., 0])
-        return LegFit(unknowns, information, latent, chi_square, left_out, rest.size, converged)
+        return LegFit(unknowns, information, chi_square, left_out, rest.size, converged)
 
     def informations(self) -> np.ndarray:  # (legs, P, P)
         design = self._linear(self._read[0][:, len(LEFT) :], np.zeros(len(self.precision)))[1]

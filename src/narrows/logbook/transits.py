@@ -97,8 +97,8 @@ class InformationForecast(Tabulated):
 
     def rows(self) -> list[dict[str, Any]]:
         """Give a row for each number of transits, with the standard error of each target."""
-        columns = {"transits": self.transits} | {f"std {name}": std.tolist() for name, std in self.std.items()}
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+        std = {f"std {name}": size for name, size in self.std.items()}
+        return [{"transits": count} | {n: float(s[i]) for n, s in std.items()} for i, count in enumerate(self.transits)]
 
     def to_dict(self) -> dict[str, Any]:
         return {
@@ -281,22 +281,19 @@ class TransitTwin:
 
     def sailed(self, seed: int) -> Voyage:
         draw, conditions = np.random.default_rng((seed, 11)), self.conditions
-        step = min(settings.AIM_STEP, settings.AIM_LENGTHS * self._length_time)
+        length_time = self.truth.configuration.ship.length / self.u
+        step = min(settings.AIM_STEP, settings.AIM_LENGTHS * length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
         aims = wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0]
         helm = TransitPilot(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
             started["revolutions"] = self_propulsion(self.truth, self.u)
-        dt = min(settings.PUSH_STEP, self._length_time / settings.TRANSIT_STEPS)
+        dt = min(settings.PUSH_STEP, length_time / settings.TRANSIT_STEPS)
         voyage = simulate(self.truth, duration=self.duration, dt=dt, controller=helm, waterway=self.waterway, **started)
         if voyage.t[-1] < self.duration - settings.PUSH_STEP:
             raise InputError("in these gusts the ship does not come through")
         return voyage
-
-    @property
-    def _length_time(self) -> float:
-        return self.truth.configuration.ship.length / self.u
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
         conditions, step = self.conditions, min(settings.PUSH_STEP, self.conditions.gust_time / settings.GUST_PIECES)

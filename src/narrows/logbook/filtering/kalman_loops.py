@@ -1,7 +1,5 @@
 """Kalman filter and smoother of a record, linear about a reference path, and Nomoto's model: loops for a compiler."""
 
-import math
-
 import numpy as np
 
 # A state is x, y, psi, u, v, r off the reference path, then first-order Gauss-Markov processes: disturbances and sensor
@@ -31,15 +29,14 @@ def update(
     z: np.ndarray, cov: np.ndarray, row: np.ndarray, residual: float, variance: float, innovation: np.ndarray,
     spread: np.ndarray, gains: np.ndarray, i: int,
 ) -> None:  # fmt: skip
-    e, s, gain = residual, variance, gains[i]
+    e, gain = residual, gains[i]
     gain[:] = 0.0
     for q in range(len(z)):
         if row[q] != 0.0:
             e -= row[q] * z[q]
             for p in range(len(z)):
                 gain[p] += row[q] * cov[q, p]
-    for p in range(len(z)):
-        s += row[p] * gain[p]
+    s = variance + np.dot(row, gain)
     for p in range(len(z)):
         z[p] += gain[p] * e / s
         for q in range(len(z)):
@@ -91,8 +88,6 @@ def smooth(
         for i in range(first[k + 1] - 1, first[k] - 1, -1):
             adjoint += rows[i] * (innovation[i] / spread[i] - np.dot(gains[i], adjoint))
         means[k] += np.dot(covariances[k], adjoint)
-        if not math.isfinite(means[k, 0]):
-            return
 
 
 def nomoto_headings(numbers: np.ndarray, psi: float, r: float, step: float, rudder: np.ndarray) -> np.ndarray:
