@@ -233,8 +233,7 @@ def check_log(
             found = [Finding(record.name, "missing", words.rpartition("; ")[0] or words, MISSING_REMEDY)]
         findings += found
         if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
-            twice = record.name in {other.record.name for other in good}
-            good.append(at._replace(record=replace(record, name=f"{record.name} ({count})")) if twice else at)
+            good.append(at)
     if not count:
         raise InputError("there is no record to check; give one or more")
     if good:
