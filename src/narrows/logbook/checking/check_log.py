@@ -223,7 +223,8 @@ def check_log(
     log = log_records(log, waterway)
     water = getattr(log, "waterway", None) if waterway is None else waterway
     findings, good, count = list[Finding](), list[Checked](), 0
-    for count, whole in enumerate(log, start=1):
+    for whole in log:
+        count += 1
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         try:
             at = Checked(record, model, water, model.configuration.ship.length / speed_of(record))
