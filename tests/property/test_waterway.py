@@ -394,7 +394,7 @@ def test_a_ship_that_does_not_fit_is_told_where() -> None:
 )
 def test_a_current_is_one_number_or_pairs(wrong: Any) -> None:
     straight = nw.straight_waterway(nw.Canal(100.0, 10.0), 1000.0)
-    with pytest.raises(nw.InputError, match="one speed in m/s for its beginning, or"):
+    with pytest.raises(nw.InputError, match="one speed in m/s, or"):
         straight.with_water(current=wrong)
     with pytest.raises(nw.InputError, match="one number"):
         straight.with_water(level=wrong)

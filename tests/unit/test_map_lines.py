@@ -46,11 +46,9 @@ MAPS = {
     "right drawn backwards": [MIDDLE, feature(STARBOARD[::-1], side="right"), feature(PORT, side="left")],
     "with heights": [MIDDLE, feature(PORT, lambda points: [[*one, 3.0] for one in degrees(points)], name="left"),
                      feature(STARBOARD, name="right")],
-    "pieces of each bank": [MIDDLE, feature(PORT[:41], side="left"), feature(STARBOARD[50:], side="right"),
-                            feature(PORT[:39:-1], side="left"), feature(STARBOARD[:51], side="right")],
-    "several lines in one": [MIDDLE, feature(PORT, name="left"), {
+    "a line as several": [MIDDLE, feature(PORT, name="left"), {
         "type": "Feature", "properties": {"name": "right"}, "geometry": {
-            "type": "MultiLineString", "coordinates": [degrees(STARBOARD[:51]), degrees(STARBOARD[50:])]}}],
+            "type": "MultiLineString", "coordinates": [degrees(STARBOARD)]}}],
     "points twice": [MIDDLE, feature(np.repeat(PORT, 2, axis=0), name="left"),
                      feature(np.repeat(STARBOARD, 2, axis=0), name="right")],
     "buoys and nothing": [

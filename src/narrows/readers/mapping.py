@@ -16,11 +16,6 @@ from narrows.ship.ship_file import check_table, load_toml
 WAYS = {
     "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
 }  # fmt: skip
-# Other words for these directions.
-OTHER_WAYS = {
-    "ahead": "forward", "astern": "aft", "right": "starboard", "left": "port",
-    **dict.fromkeys(("anticlockwise", "anti-clockwise", "counterclockwise"), "counter-clockwise"),
-}  # fmt: skip
 # Positive direction of each quantity here; a rudder by the side to which it turns the bow.
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
@@ -115,8 +110,10 @@ def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None)
 
 
 def _sign(name: str, way: str, table: str) -> float:
-    straight, way = COUNTED.get(name, ()), OTHER_WAYS.get(way, way)
+    straight = COUNTED.get(name, ())
     signs = dict.fromkeys(straight, 1.0) | {WAYS[one]: -1.0 for one in straight}
     if way not in signs:
-        raise InputError(f"{table}: [positive] {name} = {way!r} is no direction of it{did_you_mean(way, signs)}")
+        raise InputError(
+            f"{table}: [positive] {name} = {way!r} is no direction of it; it has {', '.join(sorted(signs)) or 'none'}"
+        )
     return signs[way]

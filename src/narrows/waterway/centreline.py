@@ -231,11 +231,6 @@ def to_starboard(ahead: np.ndarray) -> np.ndarray:
 Profile = float | Sequence[Sequence[float]]
 # Speed greater than any current [m/s], and shear greater than any [1/s].
 FASTEST, STEEPEST = 100.0, 100.0
-MEANINGS = {
-    "current": "one speed in m/s for its beginning, or (place, speed) pairs along it",
-    "current_across": "one speed in m/s to starboard, or (place, speed) pairs along it",
-    "current_shear": "its rise in m/s per metre to starboard, or (place, rise) pairs along it",
-}
 
 
 def checked_profile(waterway: str, name: str, value: Any) -> float | tuple[tuple[float, float], ...]:
@@ -249,8 +244,8 @@ def checked_profile(waterway: str, name: str, value: Any) -> float | tuple[tuple
     speeds = values[:, 1] if rows else values
     largest = STEEPEST if name == "current_shear" else FASTEST
     if kind not in "iuf" or not (values.ndim == 0 or rows) or not (np.abs(speeds) < largest).all():
-        what = name.replace("_", " ")
-        raise InputError(f"{waterway}: the {what} {shown(value)} is invalid; give {MEANINGS[name]}")
+        what, one = name.replace("_", " "), "rise in 1/s" if name == "current_shear" else "speed in m/s"
+        raise InputError(f"{waterway}: the {what} {shown(value)} is invalid; give one {one}, or (place, number) pairs")
     return tuple((float(place), float(speed)) for place, speed in values) if rows else float(values)
 
 

@@ -50,7 +50,12 @@ def read_waterway(path: str | Path, width: float | None = None, depth: float | N
             raise InputError(f"a canal of one width along {path} needs a depth; give depth=... [m]")
         return waterway_from_line(read_line(path), width, depth, Path(path).stem)
     way = _read(path)
-    return way if depth is None else with_depth(way, depth)
+    if depth is None:
+        return way
+    if way.depths is not None:
+        raise InputError(f"{way.name} has depths of its own; leave the depth out")
+    check_size("depth", depth)
+    return replace(way, depths=(np.array([0.0, way.line.length]), np.full(2, depth)))
 
 
 def _read(path: str | Path) -> Waterway:
@@ -79,12 +84,16 @@ def read_line(path: str | Path) -> np.ndarray:
     return coordinates(centrelines[0], f"{path}: the centreline")
 
 
+def check_size(what: str, value: float) -> None:
+    if not 0 < value < FARTHEST:
+        raise InputError(f"a {what} of {value:g} m is none of a waterway; give metres over 0")
+
+
 def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str = "canal") -> Waterway:
     """Return the waterway of constant width and depth along a centreline or a ship's track, with vertical banks."""
     # points (n, 2), longitude and latitude [deg]; width, depth [m]
-    for what, value in (("width", width), ("depth", depth)):
-        if not 0 < value < FARTHEST:
-            raise InputError(f"a {what} of {value:g} m is none of a waterway; give metres over 0")
+    check_size("width", width)
+    check_size("depth", depth)
     origin = origin_of(points)
     line = line_with_room(projected(points, origin), width / 2)
     ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
@@ -95,15 +104,6 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
 def farthest(waterway: Waterway, points: np.ndarray) -> float:
     """Return the largest distance of points, longitude and latitude [deg], from the line of a waterway [m]."""
     return float(np.abs(waterway.line.locate(projected(points, np.array(waterway.origin)))[1]).max())
-
-
-def with_depth(waterway: Waterway, depth: float) -> Waterway:
-    """Return a waterway with one depth [m], if it has none."""
-    if waterway.depths is not None:
-        raise InputError(f"{waterway.name} has depths of its own; leave the depth out")
-    if not 0 < depth < FARTHEST:
-        raise InputError(f"a depth of {depth:g} m is none of a waterway; give metres over 0")
-    return replace(waterway, depths=(np.array([0.0, waterway.line.length]), np.full(2, depth)))
 
 
 @accept_aliases
@@ -153,7 +153,7 @@ def _lines(features: list[Feature], file: str) -> dict[str, Feature]:
     roles = [feature.role for feature in features if feature.role]
     for role in ROLES:
         if roles.count(role) > 1:
-            raise InputError(f"{file}: there are two lines with the role {role}; leave one")
+            raise InputError(f"{file}: there are two lines with the role {role}; leave one, or join its pieces")
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
 
     if [one.geometry.get("type") for one in features] == ["LineString"] and set(roles) <= {"centreline"}:
@@ -196,9 +196,9 @@ def _depths(own: Mapping[str, Any], line: Centreline) -> tuple[np.ndarray, np.nd
 
 # Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
 def read_features(path: Path) -> list[Feature]:
-    """Return the lines and areas of a map, pieces of a line put together; a line through the points of one without."""
+    """Return the lines of a map, or the line through the points of one without."""
     if path.suffix.lower() in map_lines.OTHERS:
-        return map_lines.joined([part for one in map_lines.read_other(path) for part in _parts(one)])
+        return [part for one in map_lines.read_other(path) for part in _parts(one)]
     if path.suffix.lower() == ".csv":
         raise InputError(f"{path}: is a table, not a map; save its points as a line in GeoJSON or KML")
     with reading(path, "JSON"):
@@ -217,7 +217,7 @@ def read_features(path: Path) -> list[Feature]:
         map_lines.check_degrees(json.dumps(document["crs"]), path)
     track = [one.geometry.get("coordinates") for one in found if one.geometry.get("type") == "Point"]
     whole = [Feature({}, {"type": "LineString", "coordinates": track})] * (len(track) == len(found) > 1)
-    return whole or map_lines.joined([part for one in found for part in _parts(one)])
+    return whole or [part for one in found for part in _parts(one)]
 
 
 def _parts(feature: Feature) -> list[Feature]:

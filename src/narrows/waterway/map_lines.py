@@ -4,7 +4,6 @@ import json
 import re
 import warnings
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -112,8 +111,6 @@ WORDS = {
 OTHERS = (".kml", ".shp", ".gpkg", ".gml", ".fgb", ".gpx")
 # Coordinate systems in degrees that equal WGS84 within a metre.
 IN_DEGREES = ("CRS84", "4326", "4258")
-# Distance between the ends of two pieces of a line [deg]: a metre.
-TOUCHING = 1e-5
 
 
 class Feature(NamedTuple):
@@ -175,31 +172,6 @@ def read_other(path: Path) -> list[Feature]:
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
     return features
-
-
-def joined(features: list[Feature]) -> list[Feature]:
-    """Return features whose lines of one role are put together where their ends touch."""
-    whole: list[Feature] = []
-    for feature in features:
-        piece = feature
-        while other := next((one for one in whole if _one_line(one, piece)), None):
-            whole.remove(other)
-            piece = Feature(other.properties, {"type": "LineString", "coordinates": _one_line(other, piece)})
-        whole.append(piece)
-    return whole
-
-
-def _one_line(first: Feature, second: Feature) -> list[Any]:
-    """Points of two lines of one role of which the ends touch, else none."""
-    lines = [one.geometry.get("coordinates") for one in (first, second) if one.geometry.get("type") == "LineString"]
-    if len(lines) < 2 or first.role != second.role or not all(isinstance(line, list) and line for line in lines):
-        return []
-    a, b = (list(line or ()) for line in lines)
-    for one, other in ((a, b), (b, a), (a, b[::-1]), (a[::-1], b)):
-        with suppress(TypeError, IndexError):
-            if max(abs(one[-1][axis] - other[0][axis]) for axis in (0, 1)) < TOUCHING:
-                return one + other[1:]
-    return []
 
 
 def check_degrees(crs: str, path: Path) -> None:
