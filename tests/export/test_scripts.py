@@ -2,7 +2,6 @@
 
 import importlib.util
 import json
-import re
 import runpy
 import shutil
 import subprocess
@@ -16,11 +15,8 @@ import pytest
 from exported import STEERED, bent, model_of, speed_of, states
 
 import narrows as nw
-from narrows.codegen.printers.latex import WRITTEN
 from narrows.model.data_range import DataRange
-from narrows.model.term import TermKind
 from narrows.model.water import speeds_afloat
-from narrows.quantities.names import MOTION
 
 CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")
@@ -86,25 +82,6 @@ def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
     assert ship.integrate(start, ship.AT_REST, constants, water, 0.05, 60.0, end) == ship.GROUNDED
     np.testing.assert_allclose(reached(start), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
     assert end[0] == pytest.approx(outcome.time, rel=1e-10)
-
-
-@pytest.mark.parametrize("name", ["paper", "mmg+delta"])
-def test_a_constant_is_explained_by_the_coefficients_that_change_it(tmp_path: Path, name: str) -> None:
-    ship, terms = python_of(name, tmp_path), model_of(name).terms
-    text = (tmp_path / "ship.py").read_text(encoding="utf-8")
-    meanings = dict(re.findall(r"constants\.(k\d+) = .*  # (.*)", text))
-    before = vars(ship.prepare(ship.MODEL))
-    assert set(meanings) == {one for one in before if re.fullmatch(r"k\d+", one)}
-    asked = [one for one in terms.names if hasattr(ship.MODEL, one) and terms[one].kind is not TermKind.INERTIA]
-    for coefficient in asked:
-        kept = getattr(ship.MODEL, coefficient)
-        setattr(ship.MODEL, coefficient, 2 * kept + 1)
-        changed = {one for one, value in vars(ship.prepare(ship.MODEL)).items() if value != before[one]}
-        setattr(ship.MODEL, coefficient, kept)
-        naming = {one for one, meaning in meanings.items() if re.search(rf"\b{coefficient}\b", meaning)}
-        # A constant may name the factor of the motion instead where a coefficient of the mass acts in it.
-        assert naming <= changed, coefficient
-        assert changed - naming <= {one for one in meanings if "_mass" in coefficient}, coefficient
 
 
 BOUNDED = DataRange((0.6, 1.1), (0.0, 0.9), (0.0, 0.2), (0.0, 0.15))
@@ -181,20 +158,6 @@ def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
     symbols, numbers = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\end{align*}")[:2]
     assert symbols.endswith(nw.latex(nw.PAPER).removeprefix(r"\begin{aligned}").removesuffix(r"\end{aligned}"))
     assert "1.07" in numbers
-
-
-@pytest.mark.parametrize("name", PRINTED)
-def test_every_symbol_of_the_equations_has_a_value(name: str, tmp_path: Path) -> None:
-    """A quantity that is neither motion nor defined below the forces."""
-    model = nw.published(name)
-    nw.export.write(model, tmp_path / "ship.tex")
-    symbols, _, values = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\begin{align*}")[1:]
-    given = dict(re.findall(r"([^\s&]+) = (-?[\d.]+(?: \\cdot 10\^{-?\d+})?)", values))
-    given = {one: float(re.sub(r" \\cdot 10\^{(.*)}", r"e\1", text)) for one, text in given.items()}
-    known = {**model.configuration.values(), **dict.fromkeys((*MOTION, "cos_rudder", "sin_rudder"))}
-    asked = {one for one in model.terms.quantities if known.get(one) is not None and WRITTEN[one] in symbols}
-    assert {WRITTEN[one] for one in asked} == set(given)
-    assert all(given[WRITTEN[one]] == pytest.approx(known[one], rel=1e-3) for one in asked)
 
 
 @pytest.mark.parametrize(("name", "pages"), PRINTED.items())

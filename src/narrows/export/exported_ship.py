@@ -16,7 +16,7 @@ from narrows.base.files import is_stream
 from narrows.codegen.free_motion import AFLOAT_SPEED, INPUTS, LENGTH, OPEN, Actuated, Choices, Law, exact_number
 from narrows.codegen.kernel import coefficient_slopes, linear_slopes
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import FUNCTIONS, Expr, Lines, Program, names_in, real, straight_lines
+from narrows.codegen.lines import FUNCTIONS, Expr, Lines, Program, real, straight_lines
 from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
@@ -38,8 +38,6 @@ ORDERED = "ordered_{}".format  # Name in the lines of a caller's order to an act
 # Inputs of the lines from the table of a waterway.
 PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
 HEADING = "heading, positive clockwise seen from above"
-# Longest formula that is printed as a constant's meaning [letters]; beyond it, the names of the terms.
-LONGEST_FORMULA = 72
 WALLS = ("wall_starboard", "wall_port")
 FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
@@ -188,17 +186,6 @@ class ExportedShip:
     def constants(self) -> tuple[str, ...]:
         derived = self._derived  # The derivatives need more constants than the rates
         return (*self.rates.constants.names, *derived)
-
-    @cached_property
-    def meanings(self) -> dict[str, str]:
-        """Return the formula of each constant of the equations, or its terms where the formula is long."""
-        table, terms = self.rates.constants.table, self.ship.model.terms.names
-        asked = {formula: names_in(formula) for formula in table}
-        return {
-            str(constant): text if len(text := str(formula)) <= LONGEST_FORMULA else
-            ", ".join(name for name in terms if name in asked[formula])
-            for formula, constant in table.items()
-        }  # fmt: skip
 
     @cached_property
     def _derived(self) -> dict[str, Expr]:

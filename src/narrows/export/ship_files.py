@@ -1,7 +1,7 @@
 """A ship as one file of a language: a C header, an ES module, a Python file."""
 
 import ast
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Set
 from functools import partial
 from inspect import getsource
 from pathlib import Path
@@ -42,14 +42,11 @@ PLAIN = (event, bank_clearance, single)
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
-    absent, waterway = frozenset[str]() if exported.waterway else frozenset({"waterway"}), exported.waterway is not None
-    rule = {
-        "EXACT": exported.choices.exact,
-        "WATERWAY": waterway,
-        "LEAVES": exported.choices.leaves,
-        "KEPT": len(exported.kept),
-    }
-    return PlainSource(tuple(map(getsource, PLAIN)), rule, absent)
+    own = exported.choices
+    rule = {"EXACT": own.exact, "WATERWAY": own.waterway, "LEAVES": own.leaves, "KEPT": len(own.kept)}
+    return PlainSource(
+        tuple(map(getsource, PLAIN)), rule, frozenset[str]() if own.waterway else frozenset({"waterway"})
+    )
 
 
 def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
@@ -74,15 +71,8 @@ def bodies_of(exported: ExportedShip, language: Language) -> dict[str, str]:
         if name == "constants":
             targets = [language.field("constants", constant) for constant in exported.constants]
             where = {one.name: language.field("parameters", one.name) for one in exported.parameters}
-        lines = language.body(program, targets, where)
-        bodies[name] = "\n    ".join(explained(exported, language, lines) if name == "constants" else lines)
+        bodies[name] = "\n    ".join(language.body(program, targets, where))
     return bodies
-
-
-def explained(exported: ExportedShip, language: Language, lines: list[str], names: Sequence[str] = ()) -> list[str]:
-    names = names or exported.constants
-    meanings = [exported.meanings.get(name, "") for name in names]
-    return [*lines[: -len(names)], *map(language.commented, lines[-len(names) :], meanings)]
 
 
 def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation]) -> dict[str, Any]:
@@ -235,9 +225,7 @@ def matlab_text(exported: ExportedShip) -> str:
         "model.m.j2", exported, language, lines=lines, inputs=[one for _, one in inputs],
         states=_states_of_mss(exported),
         parameters=[one for one in exported.parameters if one.name in constants.asked],
-        constants=explained(
-            exported, language, language.body(constants, asked, {name: name for name in constants.asked}), asked
-        ),
+        constants=language.body(constants, asked, {name: name for name in constants.asked}),
         sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)",
                **{name: name for name in exported.water}},
     )  # fmt: skip
@@ -254,9 +242,8 @@ def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:
     written = Equations(model.terms)
     by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
     by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
-    numbers = written.values(model.configuration.values())
     # Pages break between lines.
-    parts = [environment("align*", one) for one in (by_symbols, by_numbers, numbers) if one]
+    parts = [environment("align*", one) for one in (by_symbols, by_numbers)]
     return "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n", None
 
 

@@ -13,7 +13,7 @@ from narrows.model.additions import Grouped
 from narrows.model.term import TermTable
 from narrows.physics import clearance, hull
 from narrows.physics import propeller_and_rudder as mmg
-from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number, argument_names
+from narrows.quantities.names import FORCES, argument_names
 
 # Symbols of quantities, those of propeller and rudder as in the MMG standard method.
 WRITTEN = {
@@ -175,17 +175,6 @@ class Equations:
                 bare = text[len(r"\left(") : -len(r"\right)")] if value.is_Add else text
                 lines.append(f"{written} &= {bare}")
         return lines
-
-    def values(self, known: Mapping[str, Number]) -> list[str]:
-        """Return the values of the particulars that the equations use, packed into lines."""
-        units = REGRESSOR_INPUTS | {name: of for one in self.table.actuators for name, of in one.quantities.items()}
-        parts = []
-        for name, value in known.items():
-            if symbol(name) in self.used and value is not None and name not in MOTION:
-                unit = re.sub(r"(?<=[a-z])(\d+)", r"^{\1}", units[name].unit).replace(" ", r"\,")
-                number = "-" * (value < 0) + _number(abs(float(value)))
-                parts.append(f"{self.symbols[symbol(name)]} = {number}" + rf"\,\mathrm{{{unit}}}" * (unit != "1"))
-        return [f"&{line}" for line in _packed(parts, r",\quad ")]
 
 
 def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:

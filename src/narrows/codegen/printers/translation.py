@@ -20,7 +20,6 @@ class Language(Arithmetic):
     TAKEN: frozenset[str] = frozenset()  # Reserved words
     LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by their names in lines and plain functions
     FIELD, DECLARED, ASSIGNED = "{}.{}", "{} = {};", "{} = {};"
-    COMMENT = "  // {}"  # After a statement
     INFINITE, NO_NUMBER = "inf", "nan"
 
     def __init__(self, prefix: str = "") -> None:
@@ -33,9 +32,6 @@ class Language(Arithmetic):
     def literal(self, value: float) -> str:
         text = repr(float(value))
         return {"inf": self.INFINITE, "-inf": f"-{self.INFINITE}", "nan": self.NO_NUMBER}.get(text, text)
-
-    def commented(self, line: str, meaning: str) -> str:
-        return line + self.COMMENT.format(meaning) if meaning else line
 
     def field(self, structure: str, name: str) -> str:
         return self.FIELD.format(structure, self.named(name))
@@ -69,7 +65,6 @@ class PythonFile(Language):
     })  # fmt: skip
     LIBRARY: ClassVar = {"cos": "np.cos", "sin": "np.sin"}
     DECLARED = ASSIGNED = "{} = {}"
-    COMMENT = "  # {}"
 
 
 class JavaScript(Language):
@@ -100,7 +95,6 @@ class Matlab(Language):
         "x", "ui", "xdot", "U", "beyond", "i", "j", "pi", "eps", "end", "for", "if", "while", "function", "otherwise",
     })  # fmt: skip
     LIBRARY: ClassVar = {"sine": "sin", "cosine": "cos", "minimum": "min", "maximum": "max", "whole": "fix"}
-    COMMENT = "  % {}"
 
     def doprint(self, expression: Expr) -> str:
         return re.sub(r"([*/])", r".\1", super().doprint(expression))
