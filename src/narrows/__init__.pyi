@@ -108,7 +108,6 @@ from .simulation import Controller as Controller
 from .simulation import Fleet as Fleet
 from .simulation import Jacobian as Jacobian
 from .simulation import Outcome as Outcome
-from .simulation import RudderSchedule as RudderSchedule
 from .simulation import Sensitivities as Sensitivities
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag

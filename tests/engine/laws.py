@@ -1,10 +1,8 @@
 """Control laws for the reference: the package's own written again, any other by its own arithmetic; mirrored."""
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -31,12 +29,6 @@ def _constant(law: nw.ConstantRudder) -> Order:
     return lambda time, dt, state: law.rudder
 
 
-def _schedule(law: nw.RudderSchedule) -> Order:
-    times, orders = zip(*law.pairs, strict=True)
-    assert all(a < b for a, b in pairwise(times))
-    return lambda time, dt, state: orders[bisect_right(times, time) - 1]
-
-
 def _zigzag(law: nw.Zigzag) -> Order:
     memory: dict[str, float] = {}
 
@@ -61,7 +53,6 @@ def _pilot(law: nw.Autopilot) -> Order:
 
 SECOND_WRITINGS: Mapping[type, Callable[[Any], Order]] = {
     nw.ConstantRudder: _constant,
-    nw.RudderSchedule: _schedule,
     nw.Zigzag: _zigzag,
     nw.Autopilot: _pilot,
 }
@@ -128,8 +119,6 @@ def mirrored_law(law: ControlLaw | None) -> ControlLaw | None:
     """Return the same orders to the other side; where numbers alone do it, by the same kernel."""
     if isinstance(law, nw.ConstantRudder | nw.Zigzag):
         return replace(law, rudder=-law.rudder)
-    if isinstance(law, nw.RudderSchedule):
-        return nw.RudderSchedule(tuple((time, -order) for time, order in law.pairs))
     if isinstance(law, nw.Autopilot):
         return replace(law, y=-law.y, rudder=-law.rudder, psi=-law.psi, v=-law.v)
     return None if law is None else Mirrored(law)

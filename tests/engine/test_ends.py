@@ -56,7 +56,7 @@ AHEAD = {"y": 0.0, "u": 1.0, "rudder": 0.0}
 PILOT = nw.Autopilot(0.0, (0.15, 1.2, 0.4, 2.0))
 ENDINGS = {
     "across to starboard": Ending("left validity", AHEAD, nw.ConstantRudder(0.4)),
-    "across to port": Ending("left validity", {**AHEAD, "psi": -0.3}, nw.RudderSchedule(((0.0, 0.0), (3.33, -0.4)))),
+    "across to port": Ending("left validity", {**AHEAD, "psi": -0.3}, nw.ConstantRudder(-0.4)),
     "out by the far end": Ending("left the waterway", {**AHEAD, "x": 105.0}, PILOT, "waterway", 0.3),
     "out by the beginning": Ending("left the waterway", {**AHEAD, "x": 6.0}, PILOT, "waterway", -1.7),
     "time is up, from the first point of the line": Ending(

@@ -138,7 +138,6 @@ def built() -> dict[str, Built]:
         ),
         "Held": Built(nw.Held(0.1), controlled, {"rudder": 0.2}) if hasattr(nw, "Held") else None,
         "ConstantRudder": _new("ConstantRudder", (0.1,), {"rudder": 0.2}),
-        "RudderSchedule": _new("RudderSchedule", ([(0.0, 0.1), (2.0, -0.1)],), None),
         "Zigzag": Built(nw.Zigzag(-0.2, 0.02), controlled, {"rudder": -0.1, "heading": 0.1}),
         "Canal": Built(
             nw.Canal(7.0, 0.3), lambda canal: sailed(with_parts(shallow(), canal=canal)), {"width": 6.0, "depth": 0.25}

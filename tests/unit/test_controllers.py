@@ -1,7 +1,7 @@
 """Control laws: one's own in arithmetic in every engine alike, objects of Python in single voyages, and refusals."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -135,17 +135,6 @@ def test_an_object_of_python_sees_the_state_as_it_is(forces: Any) -> None:
     voyage = nw.simulate(steered(), **START, rudder=0.03, Y=forces, controller=Watcher(), duration=1.0, dt=0.1)
     columns = [getattr(voyage, name)[:-1] for name in ("t", *STATE, "rudder")]
     np.testing.assert_allclose(np.transpose(seen), columns, rtol=1e-12, atol=1e-14)
-
-
-def test_a_schedule_is_heard_at_the_first_step_that_begins_then() -> None:
-    model = steered()
-    model = replace(model, configuration=replace(model.configuration, steering=nw.SteeringGear(35.0, 1e4)))
-    schedule = nw.RudderSchedule([(0.3, 0.1), (0.71, -0.2)])
-    voyage = nw.simulate(model, duration=1.2, dt=0.1, controller=schedule)
-    expected = np.where(voyage.t > 0.85, -0.2, np.where(voyage.t > 0.35, 0.1, 0.0))
-    np.testing.assert_allclose(voyage.rudder, expected, atol=1e-12)
-    found = nw.ensemble(model, controller=schedule, y=[0.0, 0.1], duration=1.2, dt=0.1)
-    assert float(found["psi_end"][0]) == pytest.approx(voyage.psi[-1], abs=1e-13)
 
 
 class Bare(Integrator):

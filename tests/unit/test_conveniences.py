@@ -163,7 +163,7 @@ SHOWN = {
     "model": DTC, "tests": short_twin(), "table": nw.PAPER, "ship": DTC.ship, "configuration": KVLCC2.configuration,
     "waterway": nw.straight_waterway(nw.Canal(100.0, 12.0), 5000.0),
     "term": nw.PAPER["b_v"], "form": nw.FORMS["keel_gap"],
-    "constant": nw.ConstantRudder(0.1), "zigzag": nw.Zigzag(0.1, 0.2), "schedule": nw.RudderSchedule([(0.0, 0.1)]),
+    "constant": nw.ConstantRudder(0.1), "zigzag": nw.Zigzag(0.1, 0.2),
     "jacobian": nw.jacobian(DTC), "fit": nw.identify(short_twin()),
 }  # fmt: skip
 

@@ -107,11 +107,11 @@ def test_a_track_on_the_map(bend: Path, tmp_path: Path, cli) -> None:
 
 def test_a_track_is_where_the_waterway_says(bend: Path) -> None:
     voyage = nw.simulate(nw.published(DTC), 0.0, waterway=nw.read_waterway(bend), duration=0.1, x=2.0)
-    track = voyage.track()
-    east, north = np.array([track.longitude[0] - 8.0, track.latitude[0] - 0.001]) * 111_195
+    track = voyage.dataset()
+    east, north = np.array([track.longitude.values[0] - 8.0, track.latitude.values[0] - 0.001]) * 111_195
     angle = 2.0 / 60
     assert [east, north] == pytest.approx([60 - 60 * np.cos(angle), 60 * np.sin(angle)], abs=0.03)
-    assert track.heading_deg[0] == pytest.approx(np.degrees(angle), abs=0.2)  # It turns to starboard from north.
+    assert track.heading_deg.values[0] == pytest.approx(np.degrees(angle), abs=0.2)  # It turns to starboard from north.
 
 
 def test_a_track_needs_a_place_on_earth(tmp_path: Path, cli) -> None:

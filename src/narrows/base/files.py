@@ -175,10 +175,8 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
     forms[".json"] = lambda: to_json(
         {**result.to_dict(), **({"data": _as_mapping(result.dataset())} if hasattr(result, "dataset") else {})}
     )
-    if hasattr(result, "track"):
-        forms[".geojson"] = lambda: str(result.track().geojson())
-    if hasattr(result, "animate"):
-        forms[".gif"] = lambda: result.animate(path) and None
+    if hasattr(result, "geojson"):
+        forms[".geojson"] = result.geojson
     return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
 
 

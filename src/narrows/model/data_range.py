@@ -88,10 +88,6 @@ def tolerated(covered: Range) -> Range:
     return low - SLACK * abs(low), high + SLACK * abs(high)
 
 
-def measure_of(name: str, values: Number, measures: Mapping[str, Measure] = MEASURES) -> Measure:
-    return ASTERN if name == "speed" and np.any(np.asarray(values) < 0) else measures[name]
-
-
 def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:
     """Return the quantities outside the data, as a sum of the bits of ``MEASURES``."""
     bits: Number = 0
@@ -106,7 +102,7 @@ def extrapolation(
     """Return one sentence for each quantity outside the data."""
     sentences = []
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
-        measure = measure_of(name, values, measures)
+        measure = ASTERN if name == "speed" and np.any(values < 0) else measures[name]
         if getattr(known, name) is None and unknown and measure is not ASTERN:
             sentences.append(
                 f"Not known whether tested: the model gives no range of {measure.words} that its data covered."

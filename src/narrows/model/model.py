@@ -162,7 +162,7 @@ class Model(Configured, Operations):
         return cls(**fields_of(tables, terms))
 
     def to_dict(self) -> dict[str, Any]:
-        return sections_of(**{own.name: getattr(self, own.name) for own in fields(self)})
+        return sections_of(self)
 
     def save(self, path: str | Path) -> None:
         """Write it to a ``path`` as a model file, which ``load_model`` restores to the last bit.

@@ -18,7 +18,7 @@ from narrows.base.results import Coefficients
 from narrows.model.data_range import DataRange, Range
 from narrows.model.tables import table_named
 from narrows.model.term import TermTable
-from narrows.ship.particulars import Configuration, given_values
+from narrows.ship.particulars import given_values
 from narrows.ship.ship_file import (
     actuator_sections,
     assumptions,
@@ -42,10 +42,8 @@ class Source:
     estimate: str = ""  #: Data behind an estimated model, in sentences, if the ship was not tested
 
 
-def sections_of(
-    configuration: Configuration, terms: TermTable, coefficients: Mapping[str, float], covariance: np.ndarray | None,
-    data_range: DataRange, source: Source, verdicts: Mapping[str, str],
-) -> dict[str, Any]:  # fmt: skip
+def sections_of(model: "narrows.Model") -> dict[str, Any]:
+    configuration, terms = model.configuration, model.terms
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: given_values(part) for name, part in parts.items()}
     for (section, key), note in assumptions(configuration.water).items():
@@ -53,13 +51,13 @@ def sections_of(
             tables[section].pop(key)
     lists = {force: [term.name for term in group] for force, group in terms.forces.items()}
     tables["terms"] = {"table": terms.name, **lists}
-    tables["coefficients"] = {name: float(coefficients[name]) for name in terms.names}
-    if covariance is not None:
-        tables["covariance"] = {"names": list(terms.names), "matrix": covariance.tolist()}
-    tables["data_range"] = {name: list(pair) for name, pair in given_values(data_range).items()}
-    tables["source"] = asdict(source)
-    if verdicts:
-        tables["verdicts"] = dict(verdicts)
+    tables["coefficients"] = {name: float(model.coefficients[name]) for name in terms.names}
+    if model.covariance is not None:
+        tables["covariance"] = {"names": list(terms.names), "matrix": model.covariance.tolist()}
+    tables["data_range"] = {name: list(pair) for name, pair in given_values(model.data_range).items()}
+    tables["source"] = asdict(model.source)
+    if model.verdicts:
+        tables["verdicts"] = dict(model.verdicts)
     return tables
 
 

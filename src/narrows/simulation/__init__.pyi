@@ -3,7 +3,6 @@ from .controllers import Autopilot as Autopilot
 from .controllers import ConstantRudder as ConstantRudder
 from .controllers import ControlLaw as ControlLaw
 from .controllers import Controller as Controller
-from .controllers import RudderSchedule as RudderSchedule
 from .controllers import VoyageState as VoyageState
 from .controllers import Zigzag as Zigzag
 from .derivative import Jacobian as Jacobian

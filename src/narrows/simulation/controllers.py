@@ -4,7 +4,7 @@ A control law is written like a term: arithmetic of named quantities, with a few
 every engine, also for a million ships at once. Any other object that gives orders steers single voyages.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
@@ -15,7 +15,6 @@ from narrows.base.errors import InputError
 from narrows.base.results import BaseSummary, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
-from narrows.simulation.inputs import table_of
 
 Named = Mapping[str, Number]
 
@@ -107,37 +106,6 @@ class ConstantRudder(WithoutMemory):
 
 @accept_aliases
 @dataclass(frozen=True, repr=False)
-class RudderSchedule(WithoutMemory):
-    """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
-
-    Raises an InputError if there is no pair, a number is not finite, or the times do not rise.
-
-    >>> law = nw.RudderSchedule([(0.0, 0.1), (30.0, -0.1)])
-    >>> nw.simulate(kcs, u=6.0, duration=60.0, controller=law).grounded
-    False
-    """
-
-    #: Rising times [s], and orders [rad]: an order takes effect at the first step that begins then or later
-    pairs: Sequence[tuple[float, float]]
-
-    def __post_init__(self) -> None:
-        if not np.ndim(self.pairs) or not len(table_of("rudder", self.pairs)[0]):
-            raise InputError("a schedule of the rudder is pairs of time [s] and angle [rad]; give one at least")
-
-    def parameters(self) -> Mapping[str, Any]:
-        numbered = list(enumerate(self.pairs))
-        return {f"time_{i}": float(t) for i, (t, _) in numbered} | {f"order_{i}": float(o) for i, (_, o) in numbered}
-
-    def orders(self, at: Any) -> tuple[Named, Named]:
-        order: Number = 0.0
-        for number in range(len(self.pairs)):
-            early = getattr(at, f"time_{number}") - at.t - ORDER_TOLERANCE * at.dt
-            order = choice(early, order, getattr(at, f"order_{number}"))
-        return {"rudder": order}, {}
-
-
-@accept_aliases
-@dataclass(frozen=True, repr=False)
 class Zigzag(_Law):
     """The zigzag test: the rudder is reversed each time the heading has changed as far to the other side.
 
@@ -223,7 +191,6 @@ LAST_ORDER = "last_order"
 # An example of each law for a ship of a length [m], by name: docs list them, the tests run them in every engine.
 CONTROLLERS: dict[str, Callable[[float], ControlLaw]] = {
     "constant": lambda length: ConstantRudder(0.12),
-    "schedule": lambda length: RudderSchedule(((0.0, 0.05), (3.005, -0.3), (9.011, 0.2))),
     "zigzag": lambda length: Zigzag(0.17, 0.06),
     "pilot": lambda length: Autopilot(0.075 * length, (0.6 / length, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01),
 }

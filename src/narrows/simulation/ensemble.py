@@ -248,7 +248,7 @@ def map_summary(voyages: xr.Dataset) -> dict[str, Any]:
 class Fleet(AliasedDataset):
     """The result of ``ensemble``: an xarray Dataset whose ``plot()`` draws where the ships ground.
 
-    ``plot.scatter`` and the like are xarray's. A part of it (``isel``, ``where``) is a fleet without its model: its map
+    A part of it (``isel``, ``where``) is a fleet without its model: its map
     has no title, and all of it is marked as untested.
 
     Examples
@@ -272,10 +272,10 @@ class Fleet(AliasedDataset):
         """Return the data as a plain Dataset."""
         return xr.Dataset(self.data_vars, self.coords, self.attrs)
 
-    @property
-    def plot(self) -> "FleetPlot":
+    def plot(self, within: float | None = None) -> "Figure":
         """Draw the map: ``plot()``, or ``plot(within=500.0)`` for the probability of grounding within 500 m."""
-        return FleetPlot(self)
+        model, waterway = (getattr(self, name, None) for name in ("_model", "_waterway"))
+        return narrows.report.map_figure(self, model, within, waterway)
 
 
 class Flags(xr.DataArray):  # type: ignore[misc]
@@ -292,17 +292,3 @@ class Flags(xr.DataArray):  # type: ignore[misc]
 
     def __ne__(self, other: Any) -> Any:
         return ~(self == other)
-
-
-class FleetPlot:
-    """The map of a fleet when it is called, xarray's own plots by their names."""
-
-    def __init__(self, fleet: Fleet) -> None:
-        self._fleet = fleet
-
-    def __call__(self, within: float | None = None) -> "Figure":
-        model, waterway = (getattr(self._fleet, name, None) for name in ("_model", "_waterway"))
-        return narrows.report.map_figure(self._fleet, model, within, waterway)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(super(Fleet, self._fleet).plot, name)

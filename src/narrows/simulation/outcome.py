@@ -1,6 +1,5 @@
 """Outcomes of a voyage: a value with a sentence, never an exception."""
 
-import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -102,31 +101,6 @@ class Outcome(Aliased):
         """The outcome as plain values, in the documented JSON shape."""
         values = {name: getattr(self, name) for name in ("side", "time", "distance", "impact_speed", "state")}
         return {"outcome": self.kind, **values, "summary": self.sentence, "notes": list(self.notes)}
-
-
-# The track of a voyage on the map.
-@dataclass(frozen=True)
-class Track:
-    t: np.ndarray  # (times,) Time [s]
-    longitude: np.ndarray  # (times,) WGS84 [deg]
-    latitude: np.ndarray  # (times,) WGS84 [deg]
-    heading_deg: np.ndarray  # (times,) Direction of the bow, clockwise from north [deg]
-    name: str  # Name of the ship
-    summary: str  # The end in words
-
-    def geojson(self) -> str:
-        """Return the track as a LineString with its times and headings, and its end as a Point."""
-        points = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
-        times = {"t": self.t.round(3).tolist(), "heading_deg": self.heading_deg.round(3).tolist()}
-        parts: Any = (self.name, times, "LineString", points), ("end", {}, "Point", points[-1])
-        features = [
-            {
-                "type": "Feature", "properties": {"name": name, "summary": self.summary, **more},
-                "geometry": {"type": kind, "coordinates": places},
-            }
-            for name, more, kind, places in parts
-        ]  # fmt: skip
-        return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
 
 
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.

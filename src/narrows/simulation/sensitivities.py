@@ -23,10 +23,9 @@ from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
-    import pandas
-    import xarray
+    import pandas as pd
 
-STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"}
+STATES = ("x", "y", "psi", "u", "v", "r")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -59,7 +58,7 @@ class Sensitivities(BaseResult):
         """
         if state not in STATES or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")
-        slope: np.ndarray = self.slopes[:, tuple(STATES).index(state), self.by.index(by)]
+        slope: np.ndarray = self.slopes[:, STATES.index(state), self.by.index(by)]
         return slope
 
     def for_one_percent(self) -> dict[str, float]:
@@ -77,19 +76,13 @@ class Sensitivities(BaseResult):
         slopes = {name: dict(zip(self.by, row.tolist(), strict=True)) for name, row in end.items()}
         return {"voyage": self.voyage.to_dict(), "at_end": slopes, "summary": self.summary(), "notes": list(self.notes)}
 
-    def dataset(self) -> "xarray.Dataset":
-        """Return the derivatives as an xarray Dataset: d of each state over the times and ``by``."""
-        import xarray
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the derivatives as a table, a row per time and quantity, over the SI unit of the quantity."""
+        import pandas as pd
 
-        units = {name: {"units": f"{unit} over the SI unit of by"} for name, unit in STATES.items()}
-        data = {f"d{name}": (("t", "by"), self.slopes[:, i], units[name]) for i, name in enumerate(STATES)}
-        coordinates = {"t": ("t", self.voyage.t, {"units": "s"}), "by": list(self.by)}
-        return xarray.Dataset(data, coords=coordinates, attrs={"summary": self.summary()})
-
-    def to_dataframe(self) -> "pandas.DataFrame":
-        """Return the derivatives as a data frame, a row per time and quantity."""
-        frame: pandas.DataFrame = self.dataset().to_dataframe()
-        return frame
+        rows = pd.MultiIndex.from_product([self.voyage.t, self.by], names=["t", "by"])
+        columns = [f"d{name}" for name in STATES]
+        return pd.DataFrame(self.slopes.transpose(0, 2, 1).reshape(-1, len(STATES)), rows, columns)
 
 
 @accept_aliases

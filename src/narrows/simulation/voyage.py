@@ -1,8 +1,8 @@
 """One voyage: its track, and where, when and on which side the ship grounds."""
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,14 +23,13 @@ from narrows.ship.particulars import Configuration
 from narrows.simulation import initial_state as steps
 from narrows.simulation import inputs
 from narrows.simulation import outcome as end
-from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
+from narrows.simulation.outcome import Code, Outcome, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_of
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
-    from matplotlib.animation import FuncAnimation
 
     from narrows.waterway.waterway import Waterway
 
@@ -114,16 +113,6 @@ class Voyage(Tabulated):
         """The last row: t, x, y, psi, u, v, r and rudder at the end."""
         return self.to_dataframe().iloc[-1]
 
-    def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
-        """Show an animation of the ship between its banks, which lasts ``seconds``.
-
-        Write it to ``path``: a ``.gif``, or ``.html`` with buttons. In a notebook,
-        ``HTML(voyage.animate().to_jshtml())`` shows it.
-
-        Raises an InputError if the suffix is another, or the file cannot be written.
-        """
-        return narrows.report.animation_of(self, path, seconds)
-
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""
         import xarray
@@ -132,25 +121,37 @@ class Voyage(Tabulated):
         columns = {name: (getattr(self, name), *meanings[name]) for name in COLUMNS[1:]}
         columns |= {actuator.name: (column, actuator.unit, actuator.meaning) for actuator, column in self.moved.items()}
         if self.waterway is not None and self.waterway.origin is not None:
-            track = vars(self.track())
-            columns |= {name: (track[name], *words) for name, words in ON_EARTH.items()}
+            columns |= {name: (column, *ON_EARTH[name]) for name, column in self._on_earth().items()}
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
         data = {name: ("t", column, {"units": u, "long_name": of}) for name, (column, u, of) in columns.items()}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
-    def track(self) -> Track:
-        """Return the ship's track on earth.
-
-        Raises an InputError if its waterway has no place on earth.
-        """
+    def _on_earth(self) -> dict[str, np.ndarray]:
         if self.waterway is None or self.waterway.origin is None:
             raise InputError("a track on a map needs a waterway with a position on earth (--waterway canal.geojson)")
         from narrows.waterway.map_lines import unprojected
 
         positions, heading = self.waterway.to_map(self.x, self.y, self.psi)
         longitude, latitude = unprojected(positions, np.array(self.waterway.origin)).T
-        from_north = np.degrees(heading) % 360
-        return Track(self.t, longitude, latitude, from_north, self.configuration.ship.name, self.outcome.sentence)
+        return {"longitude": longitude, "latitude": latitude, "heading_deg": np.degrees(heading) % 360}
+
+    def geojson(self) -> str:
+        """Return its track on earth: a LineString with times and headings, and a Point at its end.
+
+        Raises an InputError if its waterway has no place on earth.
+        """
+        longitude, latitude, heading = self._on_earth().values()
+        points = np.stack([longitude, latitude], axis=1).round(9).tolist()
+        times = {"t": self.t.round(3).tolist(), "heading_deg": heading.round(3).tolist()}
+        line, end = {"name": self.configuration.ship.name, **times}, {"name": "end"}
+        features = [
+            {
+                "type": "Feature", "properties": {**more, "summary": self.outcome.sentence},
+                "geometry": {"type": kind, "coordinates": places},
+            }
+            for more, kind, places in ((line, "LineString", points), (end, "Point", points[-1]))
+        ]  # fmt: skip
+        return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
 
 
 @accept_aliases

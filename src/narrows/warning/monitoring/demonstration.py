@@ -12,7 +12,7 @@ from narrows.model.model import Model
 from narrows.model.tables import table_named
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea import Entry, NmeaDecoder, checksum, sentences, with_checksum
-from narrows.simulation.controllers import RudderSchedule
+from narrows.simulation.controllers import ORDER_TOLERANCE, VoyageState
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.waterway import Bank, Centreline
@@ -63,11 +63,12 @@ class Demonstration:
 def demonstration() -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 368 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
-    voyage = simulate(
-        model, x=300.0, y=LINE, u=SPEED, controller=RudderSchedule([(t, math.radians(angle)) for t, angle in RUDDER]),
-        waterway=way, duration=DURATION, dt=1.0,
-    )  # fmt: skip
+    voyage = simulate(model, x=300.0, y=LINE, u=SPEED, controller=_order, waterway=way, duration=DURATION, dt=1.0)
     return Demonstration(model, way, voyage)
+
+
+def _order(t: float, state: VoyageState) -> float:
+    return math.radians([0.0, *(angle for begin, angle in RUDDER if t + ORDER_TOLERANCE >= begin)][-1])
 
 
 def demonstrated_canal() -> Waterway:
