@@ -15,7 +15,7 @@ import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway import bank_clearance as clearance_text
 from narrows.waterway.bank_clearance import PORT_BANK, STARBOARD_BANK, exact_clearance, line_pose
-from narrows.waterway.waterway import LeastWalls, WaterwayTable, least_walls, tabulate
+from narrows.waterway.waterway import WaterwayTable, least_walls, tabulate
 
 STEPS_A_BEAM = 4  # the step that the docs recommend: a quarter of the beam
 
@@ -118,7 +118,7 @@ def check_clearance(table: WaterwayTable, pose: Pose, outline: np.ndarray) -> No
         assert moved(points, sign * athwart, room + 1e-9).intersects(wall)
 
 
-def check_bound(table: WaterwayTable, pose: Pose, outline: np.ndarray, least: LeastWalls) -> None:
+def check_bound(table: WaterwayTable, pose: Pose, outline: np.ndarray, least: np.ndarray) -> None:
     """So far a hull can move square to the line, or farther."""
     points, _ = hull(table, pose, outline)
     across, out = directions(table, pose)[1], outline @ [np.sin(pose.psi), np.cos(pose.psi)]

@@ -149,14 +149,14 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         raise InputError(f"the ship has no {words}; give {those}, or a kind of ship: {', '.join(SHIP_TYPES)}")
     for name in set(given) & set(NEEDED):
         check_number(f"[ship] {name}", given[name])
-    filled = []
-    for name in missing:
-        usual = SHIP_TYPES[str(kind)]
-        sizes = {"beam": ("length", usual.length_to_beam), "draft": ("beam", usual.beam_to_draft)}
-        of, ratio = sizes.get(name, ("", 0.0))
-        given[name] = given[of] / ratio if of else usual.block_coefficient
-        unit = "" if name == "block_coefficient" else " m"
-        filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
+    if not missing:
+        return Ship(**given), []
+    usual = SHIP_TYPES[str(kind)]
+    beam = given.get("beam", given["length"] / usual.length_to_beam)
+    sizes = {"beam": beam, "draft": beam / usual.beam_to_draft, "block_coefficient": usual.block_coefficient}
+    given = sizes | given
+    units = {"beam": " m", "draft": " m"}
+    filled = [f"{name.replace('_', ' ')} {given[name]:.3g}{units.get(name, '')}" for name in missing]
     return Ship(**given), filled
 
 

@@ -339,8 +339,12 @@ class Recording:
     def frames(self, rows: int) -> Iterator[pd.DataFrame]:
         entries, first = self.entries(), 0
         while piece := list(islice(entries, rows)):
-            frame = _frame(piece, self.sources, first)
-            first += len(piece)
+            read = []  # One per sentence; values of sources that were not chosen are skipped
+            for t, message in piece:
+                known = [own for about, own in message.values.items() if self.sources.accepts(about, message.source, t)]
+                read.append({"t": t, **{name: value for own in known for name, value in own.items()}})
+            frame = pd.DataFrame(read, index=pd.RangeIndex(first, first + len(read)))
+            first += len(read)
             if len(frame.columns) > 1:
                 yield frame
         if not self.sources.chosen:
@@ -385,12 +389,3 @@ class Sources:
         self.used.setdefault(about, {})[source] = None
         self._last[about] = t
         return True
-
-
-def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
-    """One row per sentence; values of sources that were not chosen are skipped."""
-    rows = []
-    for t, message in entries:
-        parts = [own for about, own in message.values.items() if sources.accepts(about, message.source, t)]
-        rows.append({"t": t, **{name: value for own in parts for name, value in own.items()}})
-    return pd.DataFrame(rows, index=pd.RangeIndex(first, first + len(rows)))

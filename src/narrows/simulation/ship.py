@@ -31,7 +31,7 @@ from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
-    from narrows.waterway.waterway import LeastWalls, Waterway, WaterwayTable
+    from narrows.waterway.waterway import Waterway, WaterwayTable
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def _tabulated(
     return known[key]
 
 
-def _cells(table: "WaterwayTable", near: "LeastWalls", names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
+def _cells(table: "WaterwayTable", near: np.ndarray, names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
     columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
     cells = np.empty((len(table.s) - 1, 2 * len(names)))
     for index, name in enumerate(names):

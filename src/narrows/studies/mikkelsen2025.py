@@ -49,9 +49,6 @@ class Reproduction(BaseResult):
     voyages: dict[float, Voyage]  # Voyages by start to starboard [m], contact by the hull's corners
     readings: dict[str, Any]  # Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without
 
-    def __repr__(self) -> str:
-        return f"<Reproduction of Mikkelsen et al. (2025): {len(self.readings)} readings of contact>"
-
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the coefficients as a table: one row each, as printed and as identified again."""
         import pandas as pd

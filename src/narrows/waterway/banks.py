@@ -78,7 +78,6 @@ class DrawnBank:
     """A bank from its own line: at each place its distance is where the centreline's normal first meets it."""
 
     normals: Normals
-    points: np.ndarray  # (n, 2) East and north of its line [m]
     # (m,) Places where normals pass from one piece to another, and the ends of the seen part [m]
     corners: np.ndarray
     pieces: np.ndarray  # (m - 1,) Piece of the line between each two of them
@@ -168,7 +167,7 @@ def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: t
     known = chords(distinct)
     s, n = line.locate(along_chords(distinct, np.union1d(np.linspace(0, 1, ALONG), known / known[-1])))
     refuse_crossing(side, s, (s > 0) & (s < line.length) & ~(n * normals.sign > 0))
-    drawn = DrawnBank(normals, points, *seen_pieces(normals, side))
+    drawn = DrawnBank(normals, *seen_pieces(normals, side))
     return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)
 
 

@@ -135,7 +135,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
 def _drawn(bank: Bank, sign: int, line: Centreline) -> np.ndarray:
     """Points of a bank on the map: its own, or points close enough for the chords of a bend."""
     if bank.drawn is not None:
-        return np.asarray(bank.drawn.points)
+        return bank.drawn.normals.points
     sharpest = np.abs(line.curvature(line.fine)).max()
     count = int(np.ceil(line.length * np.sqrt(sharpest / (8 * CHORD)))) + 1
     s = np.union1d(np.clip(bank.s, 0, line.length), np.linspace(0, line.length, count + 1))

@@ -284,13 +284,6 @@ def straight_waterway(canal: Canal, length: float = 10_000.0, heading: float = 0
     return Waterway(Centreline(ends), Bank("starboard", s, half), Bank("port", s, half), depths, name="canal")
 
 
-class LeastWalls(NamedTuple):
-    """Lower bounds at the nodes of a table, linear between them."""
-
-    starboard: np.ndarray  # (n,) Distance from line to starboard bank within reach of the hull [m]
-    port: np.ndarray  # (n,) Distance from line to port bank within reach of the hull [m]
-
-
 @dataclass(frozen=True)
 class WaterwayTable:
     """A waterway in equal cells; between nodes its columns and its banks on the map are linear."""
@@ -332,9 +325,10 @@ class WaterwayTable:
         return np.ascontiguousarray(self.nodes).reshape(-1)
 
 
-def least_walls(table: WaterwayTable, outline: np.ndarray) -> LeastWalls:
-    """Return lower bounds of the distance at which a hull meets a bank, for any heading."""
-    # outline (points, 2) [m]. With midship at s and n, let w be the bound at s, linear between nodes, and r the extent
+def least_walls(table: WaterwayTable, outline: np.ndarray) -> np.ndarray:
+    """Return lower bounds of the distance at which a hull meets the bank to starboard and to port, for any heading."""
+    # (2, nodes) [m], linear between nodes; outline (points, 2) [m].
+    # With midship at s and n, let w be the bound at s, linear between nodes, and r the extent
     # of the hull's outline to that side: then w - n - r (to port w + n - r) is at most the distance that the hull can
     # move perpendicular to the line before it meets that bank. If it is positive the hull is clear.
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
@@ -355,7 +349,7 @@ def least_walls(table: WaterwayTable, outline: np.ndarray) -> LeastWalls:
         # The line turns away from a bank outside its bend, and the normals turn.
         least = narrowest - far**2 / 2 * (outside + widest * bend**2)
         bounds.append(np.where(far <= reach, least, -widest))
-    return LeastWalls(*bounds)
+    return np.array(bounds)
 
 
 # Largest number of cells in a table.
