@@ -8,7 +8,7 @@ from typing import Any
 from _extension.markdown import table
 from narrows.captive.formats import LAYOUTS
 from narrows.estimation.sensors import SENSORS
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS
 from narrows.logbook.checking.check_log import RECORD_CHECKS
 from narrows.logbook.checking.faults import FAULTS
 from narrows.safety.pilots import PILOTS

@@ -15,8 +15,7 @@ import narrows as nw
 import narrows.export.fmu
 from export.exported import bent, model_of
 from narrows.cli import app
-from narrows.export import passport
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS, passport
 from narrows.export.page import assembly
 
 every_kind = pytest.mark.parametrize("kind", EXPORTERS)

@@ -17,7 +17,7 @@ from fmus import imported
 
 import narrows as nw
 import narrows.export.fmu
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS
 from narrows.export.passport import passport
 from narrows.model.data_range import DataRange
 from narrows.model.water import speeds_afloat

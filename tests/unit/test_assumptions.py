@@ -12,7 +12,7 @@ import pytest
 
 import narrows as nw
 from narrows.control import closed_loop, regulator
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS
 from narrows.export.passport import passport
 from narrows.logbook.learning.learn_log import _assumptions
 from narrows.quantities.names import KNOT

@@ -11,7 +11,7 @@ import narrows as nw
 from narrows.captive.columns import COLUMNS
 from narrows.cli import app
 from narrows.estimation.sensors import SENSORS
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS
 from narrows.logbook.checking.check_log import RECORD_CHECKS
 from narrows.logbook.checking.faults import FAULTS
 from narrows.model.tables import BASES

@@ -16,7 +16,7 @@ from narrows.base.progress import stage
 from narrows.cli import options as cli
 from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
-from narrows.export.exporters import EXPORTERS
+from narrows.export import EXPORTERS
 
 if TYPE_CHECKING:
     from narrows.captive.read import Tests
