@@ -217,7 +217,7 @@ WORKS = {
     "first MMG fleet": (
         "yasukawa2015_kvlcc2", "nw.ensemble(model, u=[1.1, 1.179], surge='free', contact='none', dt=0.1)",
     ),
-    "first MMG Jacobian": ("yasukawa2015_kvlcc2", "nw.eigenvalues(model, bank=False, u=1.179)"),
+    "first MMG Jacobian": ("yasukawa2015_kvlcc2", "nw.stability(model, bank=False, u=1.179)"),
 }  # fmt: skip
 
 

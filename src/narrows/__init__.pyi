@@ -113,7 +113,6 @@ from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
 from .simulation import controllers as controllers
 from .simulation import derivative as derivative
-from .simulation import eigenvalues as eigenvalues
 from .simulation import ensemble as ensemble
 from .simulation import grounding_probability as grounding_probability
 from .simulation import jacobian as jacobian

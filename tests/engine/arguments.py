@@ -215,7 +215,6 @@ class Table:
             "simulate": Entry(start, voyage),
             "ensemble": Entry({**start, "model": shallow(), "y": [0.5, -1.0]}, {**run, "y": [0.5, -1.1]}),
             "stability": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
-            "eigenvalues": Entry({"model": paper(), "y": 0.5, "u": 1.0}, {"model": steered(), **modes}),
             "derivative": Entry(
                 {"model": steered(), "state": (0.0, 0.5, 0.0, 1.0, 0.1, 0.02)},
                 {"model": paper(), "state": (0.0, 0.6, 0.0, 1.0, 0.1, 0.02), **FORCES, **FREE},

@@ -308,7 +308,7 @@ IGNORED = {
     ),
     "rate of the propeller where there is none": lambda: nw.ensemble(paper(), y=0.5, duration=1.0, revolutions=9.0),
     "a Coriolis force of a mass that nobody gave": lambda: nw.simulate(paper(), duration=1.0, coriolis=True),
-    "a rudder angle where no term feels it, for eigenvalues": lambda: nw.eigenvalues(paper(), rudder=0.2),
+    "a rudder angle where no term feels it, for eigenvalues": lambda: nw.stability(paper(), rudder=0.2),
 }
 
 

@@ -26,7 +26,7 @@ model = nw.published("mikkelsen2025_dtc")
 voyage = nw.simulate(model, y=0.5, u=1.0)
 fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0)
 fit = nw.identify(nw.twin())
-model.forces(y=1.0, u=1.0), nw.eigenvalues(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
+model.forces(y=1.0, u=1.0), nw.stability(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
 tanker = nw.published("yasukawa2015_kvlcc2")
 course = nw.steady_course(tanker, y=[0.0, 1.0], u=1.0, Y=50.0)
 try:

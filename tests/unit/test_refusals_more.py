@@ -29,7 +29,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.simulate(KVLCC2, u=1.0, rudder=10, contact="none"), r"573 degrees; give radians \(rudder = 0.175"),
         (lambda: nw.simulate(DTC, psi=5), "psi = 5 rad is 286 degrees; give radians"),
         (lambda: nw.ensemble(DTC, psi=[0, -5]), "psi = -5 rad is -286 degrees; give radians"),
-        (lambda: nw.eigenvalues(KVLCC2, bank=False, rudder=10), "give radians"),
+        (lambda: nw.stability(KVLCC2, bank=False, rudder=10), "give radians"),
         (lambda: nw.jacobian(DTC, psi=5), "give radians"),
         (lambda: nw.sensitivities(DTC, ["y"], psi=5), "give radians"),
         (lambda: nw.bank_force(DTC, 0.5, 1.0, 5), "give radians"),

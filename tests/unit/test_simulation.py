@@ -221,7 +221,7 @@ def test_eigenvalues_are_those_of_differences(dtc: nw.Model) -> None:
     at = np.array([0.7, 0.1, 0.05, -0.03])
     jacobian = np.array([(rates(at + d) - rates(at - d)) / 2e-6 for d in 1e-6 * np.eye(4)]).T
     expected = np.linalg.eigvals(jacobian)
-    found = nw.eigenvalues(dtc, y=0.7, psi=0.1, v=0.05, r=-0.03)
+    found = nw.stability(dtc, y=0.7, psi=0.1, v=0.05, r=-0.03).eigenvalue.values.ravel()
     np.testing.assert_allclose(np.sort_complex(found), np.sort_complex(expected), atol=1e-6)
     fleet = nw.stability(dtc, y=[0.0, 1.0], u=[0.5, 1.0, 1.5])
     assert fleet["growth"].shape == (2, 3)

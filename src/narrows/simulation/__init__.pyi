@@ -7,7 +7,6 @@ from .controllers import VoyageState as VoyageState
 from .controllers import Zigzag as Zigzag
 from .derivative import Jacobian as Jacobian
 from .derivative import derivative as derivative
-from .derivative import eigenvalues as eigenvalues
 from .derivative import jacobian as jacobian
 from .derivative import stability as stability
 from .ensemble import Fleet as Fleet

@@ -1,4 +1,4 @@
-"""The motion of one ship at a moment: its rates, a single step, derivatives and eigenvalues."""
+"""The motion of one ship at a moment: its rates, derivatives and eigenvalues."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -140,25 +140,6 @@ def jacobian(
     return Jacobian(a, b, slopes, LINEARISED, (*FORCES, *movers), linear.names, state, model.bank_notes)
 
 
-def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
-    """Return the eigenvalues of motion about a state [1/s], the most unstable first.
-
-    Parameters
-    ----------
-    model, bank : Model, bool
-        True: of (y, psi, v, r) with the bank; false: of (v, r) in open water.
-    **state : float
-        x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]. Default: on the centreline at 1
-        m/s, rudder amidships, the model's propeller revolutions.
-
-    Examples
-    --------
-    >>> round(float(nw.eigenvalues(model, y=0.5, u=1.0).real.max()), 3)
-    0.266
-    """
-    return np.asarray(stability(model, bank, **state)["eigenvalue"].to_numpy().ravel())
-
-
 @accept_aliases
 def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """Map the eigenvalues of motion over states, speeds, canals and coefficients.
@@ -171,9 +152,14 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     Parameters
     ----------
     model, bank : Model, bool
-        As for ``eigenvalues``.
+        True: of (y, psi, v, r) with the bank; false: of (v, r) in open water.
     **vary : number, sequence or DataArray
-        As in ``ensemble``.
+        As in ``ensemble``; default: on the centreline at 1 m/s, rudder amidships, the model's propeller revolutions.
+
+    Examples
+    --------
+    >>> round(float(nw.stability(model, y=0.5, u=1.0)["growth"].item()), 3)
+    0.266
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)

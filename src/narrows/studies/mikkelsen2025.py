@@ -13,7 +13,7 @@ from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
-from narrows.simulation.derivative import eigenvalues
+from narrows.simulation.derivative import stability
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -78,10 +78,8 @@ class Reproduction(BaseResult):
     @cached_property
     def modes(self) -> dict[str, np.ndarray]:
         """Eigenvalues at 1 m/s on the centreline [1/s]."""
-        return {
-            "with the bank": eigenvalues(self.truth, bank=True, u=1.0),
-            "without": eigenvalues(self.truth, bank=False, u=1.0),
-        }
+        found = {"with the bank": stability(self.truth, u=1.0), "without": stability(self.truth, bank=False, u=1.0)}
+        return {name: modes["eigenvalue"].to_numpy().ravel() for name, modes in found.items()}
 
     @property
     def stiffness(self) -> float:
