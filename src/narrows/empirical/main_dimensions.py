@@ -155,8 +155,7 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
     beam = given.get("beam", given["length"] / usual.length_to_beam)
     sizes = {"beam": beam, "draft": beam / usual.beam_to_draft, "block_coefficient": usual.block_coefficient}
     given = sizes | given
-    units = {"beam": " m", "draft": " m"}
-    filled = [f"{name.replace('_', ' ')} {given[name]:.3g}{units.get(name, '')}" for name in missing]
+    filled = [f"{name.replace('_', ' ')} {given[name]:.3g}{' m' * (name != 'block_coefficient')}" for name in missing]
     return Ship(**given), filled
 
 

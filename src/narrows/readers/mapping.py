@@ -13,9 +13,7 @@ from narrows.readers.cells import Vocabulary, quantity_of, split_header
 from narrows.ship.ship_file import check_table, load_toml
 
 # Positive direction of a quantity here, and the opposite.
-WAYS = {
-    "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
-}  # fmt: skip
+WAYS = {"forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise"}
 # Positive direction of each quantity here; a rudder by the side to which it turns the bow.
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),

@@ -183,7 +183,6 @@ SENTENCE = re.compile(rb"[$!]([A-Z][A-Z0-9]{4,}),([^*$!\r\n]*)(\*[0-9A-Fa-f]{2})
 TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
 ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
 EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
-REMARK = b"#"
 MILLISECONDS = 1e11  # Larger times since 1970 are in milliseconds
 
 
@@ -197,7 +196,7 @@ class Sentence(NamedTuple):
 
 def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence]:
     for line in lines:
-        if line.startswith(REMARK):
+        if line.startswith(b"#"):  # A remark
             continue
         begin = 0
         for match in SENTENCE.finditer(line):

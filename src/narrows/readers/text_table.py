@@ -182,9 +182,7 @@ SEPARATORS = (";", "\t", ",", "|", " ")
 # First characters of a comment.
 REMARKS = ("#", "%")
 
-MARKS = {
-    codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16",
-}  # fmt: skip
+MARKS = {codecs.BOM_UTF8: "utf-8-sig", codecs.BOM_UTF16_LE: "utf-16", codecs.BOM_UTF16_BE: "utf-16"}
 
 LINE = re.compile(r"\r\n|\n|\r")
 

@@ -54,7 +54,6 @@ def read_waterway(path: str | Path, width: float | None = None, depth: float | N
         return way
     if way.depths is not None:
         raise InputError(f"{way.name} has depths of its own; leave the depth out")
-    check_size("depth", depth)
     return replace(way, depths=(np.array([0.0, way.line.length]), np.full(2, depth)))
 
 
@@ -84,16 +83,11 @@ def read_line(path: str | Path) -> np.ndarray:
     return coordinates(centrelines[0], f"{path}: the centreline")
 
 
-def check_size(what: str, value: float) -> None:
-    if not 0 < value < FARTHEST:
-        raise InputError(f"a {what} of {value:g} m is none of a waterway; give metres over 0")
-
-
 def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str = "canal") -> Waterway:
     """Return the waterway of constant width and depth along a centreline or a ship's track, with vertical banks."""
     # points (n, 2), longitude and latitude [deg]; width, depth [m]
-    check_size("width", width)
-    check_size("depth", depth)
+    if not 0 < width < FARTHEST:
+        raise InputError(f"a width of {width:g} m is none of a waterway; give metres over 0")
     origin = origin_of(points)
     line = line_with_room(projected(points, origin), width / 2)
     ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
@@ -155,7 +149,6 @@ def _lines(features: list[Feature], file: str) -> dict[str, Feature]:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one, or join its pieces")
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
-
     if [one.geometry.get("type") for one in features] == ["LineString"] and set(roles) <= {"centreline"}:
         raise InputError(
             f"{file}: has one line; with a width and a depth (of your own) it is a waterway: "
