@@ -44,6 +44,7 @@ from narrows.model.sections import Source
 from narrows.quantities.names import KNOT
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
+from narrows.simulation.grid import labelled
 from narrows.simulation.outcome import water_notes
 
 
@@ -185,9 +186,9 @@ def _findings(problem: LegProblem, found: LegFit, worst: str, probability: float
 class SteadyPlan(Tabulated):
     """Legs to hold, in the order to hold them."""
 
-    #: A row a leg; none where none is allowed: ``offset`` to starboard [m], ``side``,
-    #: ``speed`` through the water [kn], 5 %, 50 % and 95 % quantiles of rudder and drift, given the tests
-    #: (``rudder_low`` ...) [deg], and standard errors once it is read (``std b_bank`` ...)
+    #: A row a leg; none where none is allowed: ``offset`` to starboard [m], ``side``, ``speed`` through the water [kn],
+    #: 5 %, 50 % and 95 % quantiles of rudder and drift, given the tests (``rudder_low`` ...) [deg], and standard errors
+    #: once it is read (``std b_bank`` ...)
     legs: tuple[Mapping[str, Any], ...]
     std: Mapping[str, np.ndarray]  #: (legs + 1,) Standard error of each target, before the first leg and after each
     model: Model  #: The ship
@@ -202,9 +203,9 @@ class SteadyPlan(Tabulated):
 
     @property
     def settling(self) -> float:
-        """Settling time on the slowest leg before it is read [s]."""
-        slowest = KNOT * min((leg["speed"] for leg in self.legs), default=np.inf)
-        return settings.SETTLING * self.model.configuration.ship.length / slowest
+        """Settling time before a leg is read [s]."""
+        speed = KNOT * self.legs[0]["speed"] if self.legs else np.inf
+        return settings.SETTLING * self.model.configuration.ship.length / speed
 
     def summary(self) -> str:
         if not self.legs:
@@ -301,13 +302,10 @@ def plan_steady(
 
 
 def _rising(name: str, values: object) -> np.ndarray:
-    try:
-        column = np.asarray(values, float)
-    except (TypeError, ValueError, OverflowError):
-        column = np.empty(0)
-    if column.ndim != 1 or not column.size or not (np.isfinite(column) & (column > 0)).all():
-        raise InputError(f"the {name} that may be held are finite numbers over 0; give a sequence of them")
-    return np.unique(column)
+    column = np.unique(labelled(name, values))
+    if column[0] <= 0:
+        raise InputError(f"the {name} that may be held are numbers over 0; give a sequence of them")
+    return column
 
 
 def usual_offsets(model: Model) -> np.ndarray:
