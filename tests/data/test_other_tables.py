@@ -117,7 +117,7 @@ def test_kcs_through_the_command_line(kcs_fits: dict[int, nw.Fit], cli) -> None:
         assert set(shown["coefficients"]["b_bank"]) >= {"value", "std", "ci95", "unit", "determined"}
         assert set(shown["fit"]["Y"]) >= {"r2", "rmse", "r2_left_out"}
         assert set(shown["diagnostics"]["Y"]) >= {"rank", "columns", "condition", "vif"}
-        assert set(shown["shapley"]) == {"mse", "mean_abs", "lmg"}
+        assert set(shown["shapley"]) == {"X", "Y", "N"}
         top = max(shown["by_speed"], key=lambda own: own["speed"])
         assert 219 <= top["diagnostics"]["Y"]["vif"]["b_bank"] <= 329
         assert top["diagnostics"]["Y"]["rank"] == 7

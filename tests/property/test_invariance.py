@@ -70,9 +70,8 @@ def test_streamed_is_in_memory(
     one, other = nw.identify(whole), nw.identify(streamed)
     assert_same(one, other)
     assert other.motions.labels == one.motions.labels
-    for kind in ("mse", "mean_abs", "lmg"):
-        for force, shares in one.shapley(kind).items():
-            assert other.shapley(kind)[force] == pytest.approx(shares, rel=1e-7, abs=1e-12)
+    for force, shares in one.shapley().items():
+        assert other.shapley()[force] == pytest.approx(shares, rel=1e-7, abs=1e-12)
 
 
 def test_table_in_memory_or_from_disk(short: nw.CaptiveTests, tmp_path: Path) -> None:
@@ -113,8 +112,7 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
                 one.coefficients[coefficient], abs=1e-3 * std
             )
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
-    for kind in ("mse", "mean_abs", "lmg"):
-        assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=1e-3, abs=1e-12)
+    assert other.shapley()[force] == pytest.approx(one.shapley()[force], rel=1e-3, abs=1e-12)
 
 
 @given(factor=st.sampled_from([1e-8, 1e-3, 1e5]))

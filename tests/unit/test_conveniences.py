@@ -187,8 +187,7 @@ def test_signatures_are_short(name: str) -> None:
 @pytest.mark.parametrize(
     ("function", "name"),
     [(nw.identify, "balance"), (nw.identify, "accelerations"), (nw.simulate, "surge"),
-     (nw.simulate, "contact"), (nw.squat, "gives"), (nw.nondimensional, "system"),
-     (nw.Fit.shapley, "kind")],
+     (nw.simulate, "contact"), (nw.squat, "gives"), (nw.nondimensional, "system")],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
 )  # fmt: skip
 def test_choices_are_types(function, name: str) -> None:

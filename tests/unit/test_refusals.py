@@ -234,7 +234,6 @@ def test_a_write_that_fails_leaves_the_old_file(dtc: nw.Model, tmp_path: Path, m
         (lambda: nw.published("mikkelsen2025"), "did you mean 'mikkelsen2025_dtc'"),
         (lambda: nw.measured_tests("kvlcc"), "known: kcs, lataire2009"),
         (lambda: nw.identify(short_twin(), balance="huber"), "balance = 'huber' is unknown; choose tests or rows"),
-        (lambda: nw.identify(short_twin()).shapley("owen"), "kind = 'owen' is unknown; choose mse or mean_abs or lmg"),
         (lambda: short_twin().test("swai"), "no test is called 'swai'; did you mean 'sway'"),
         (lambda: short_twin().where([False] * 4), "no test is left"),
         (lambda: nw.identify_conditions(nw.measured_tests("kcs"), "C0101A04"), "no condition 'C0101A04'; did you mean"),

@@ -28,7 +28,6 @@ from narrows.identification.estimates import (
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
-from narrows.identification.shapley import KINDS, Kind, shares
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
 from narrows.model.additions import AT
@@ -226,12 +225,20 @@ class Fit(BaseResult):
         """
         return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
-    def shapley(self, kind: Kind = "mse") -> dict[str, dict[str, float]]:
+    def shapley(self) -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 
-        The ``kind`` is ``mse``, ``mean_abs`` or ``lmg``; an InputError is raised for another.
+        The value of a set of terms is minus its mean squared error with the fitted coefficients.
         """
-        return shares(self, kind)
+        # The game is quadratic, which gives a closed form: theta_j (2 x_j'y - x_j'X theta), up to a factor.
+        equations, shared = self.normal_equations, {}
+        for force in self.scores:
+            names = [term.name for term in self.terms.forces[force]]
+            values = np.array([self.coefficients[name] for name in names])
+            cross = equations.pick(equations.total, names, [force])[:, 0]
+            phi = values * (2 * cross - equations.pick(equations.total, names) @ values)
+            shared[force] = dict(zip(names, (phi / max(np.abs(phi).sum(), 1e-300)).tolist(), strict=True))
+        return shared
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -321,7 +328,7 @@ class Fit(BaseResult):
                 {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
                 for speed, by_force in self.diagnostics.by_speed.items()
             ],
-            "shapley": {kind: self.shapley(kind) for kind in KINDS},
+            "shapley": self.shapley(),
             "kkt": {"satisfied": self.solution.kkt.satisfied, **self.solution.kkt._asdict()},
             "influence": {
                 name: {"most_informing": share.idxmax(), "share": float(share.max())}

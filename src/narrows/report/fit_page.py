@@ -13,13 +13,12 @@ from narrows.base.results import with_error
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Explanation, Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
 from narrows.model.term import Term
 from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
-from narrows.report.printed_tables import apart_rows, coefficient_row, heading, kkt_sentence, share_rows, surest_first
+from narrows.report.printed_tables import apart_rows, coefficient_row, heading, kkt_sentence, surest_first
 from narrows.report.style import svg
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
@@ -82,7 +81,7 @@ def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = Non
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
                       for name in fit.terms.names if fit.verdicts[name].determined],
-        "shapley": share_rows({kind: fit.shapley(kind) for kind in KINDS}),
+        "shapley": fit.shapley(),
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": pictures,
     }  # fmt: skip
@@ -155,8 +154,8 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
         path, "reproduction.html.j2", title="The paper, reproduced",
         figures={name: figure(*drawn) for name, drawn in made.items()},
         coefficients=[_coefficient(fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],
-        shapley=[(name, PRINTED_SHARES[name], ours.values()) for name, ours in reproduced.shares.items()],
-        kinds=KINDS, switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
+        shapley=[(name, PRINTED_SHARES[name], ours) for name, ours in reproduced.shares.items()],
+        switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
         source=reproduced.truth.source.text, clusters=fit.motions.sentence,
         voyages={y: voyage.outcome.sentence for y, voyage in reproduced.voyages.items()},
         eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in ours] for name, ours in reproduced.modes.items()},

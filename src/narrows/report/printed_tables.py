@@ -250,7 +250,6 @@ def print_fit(
 ) -> None:
     """Print a fit, its main result first; with --verbose all results."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.identification.shapley import KINDS
     from narrows.identification.verdict import IDENTIFIED
 
     console = console or console_of()
@@ -276,10 +275,8 @@ def print_fit(
             console.print(f"- {verdict.sentence(name)}")
     rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
     console.print(table_of(SCORE_COLUMNS, rows, title="Fit, and on each distinct motion left out"))
-    columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
-    shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
-    named = ({"name": name, **dict(zip(KINDS, row, strict=True))} for name, row in shares)
-    console.print(table_of(columns, named, title="Shapley shares"))
+    shares = ({"name": name, "share": share} for part in fit.shapley().values() for name, share in part.items())
+    console.print(table_of({"": "{name}", "share": "{share:+.3f}"}, shares, title="Shapley shares"))
     for note in (*fit.notes, kkt_sentence(fit)):
         console.print(note, style="dim")
 
@@ -320,11 +317,6 @@ def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
         "unit": fit.terms[name].dimension.unit, "verdict": verdict.status,
         "kind": verdict.status.replace(" ", "-"), "style": COLOURS.get(verdict.status, "red"),
     }  # fmt: skip
-
-
-def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
-    first = next(iter(shares.values()))
-    return [(name, [share[force][name] for share in shares.values()]) for force in first for name in first[force]]
 
 
 SCORE_COLUMNS = {

@@ -11,7 +11,6 @@ from narrows.base.results import BaseResult
 from narrows.captive.synthetic import twin
 from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
-from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.simulation.derivative import stability
 from narrows.simulation.ensemble import ensemble
@@ -66,14 +65,9 @@ class Reproduction(BaseResult):
         return {name: switch_of(voyages) for name, voyages in self.readings.items()}
 
     @cached_property
-    def shares(self) -> dict[str, dict[str, float]]:
-        """The Shapley share of each coefficient in its own force, by value function."""
-        by_kind = {kind: self.fit.shapley(kind) for kind in KINDS}
-        forces = {term.name: force for force, terms in self.fit.terms.forces.items() for term in terms}
-        return {
-            name: {kind: float(shares[forces[name]][name]) for kind, shares in by_kind.items()}
-            for name in self.truth.terms.names
-        }
+    def shares(self) -> dict[str, float]:
+        """The Shapley share of each coefficient in its own force."""
+        return {name: share for part in self.fit.shapley().values() for name, share in part.items()}
 
     @cached_property
     def modes(self) -> dict[str, np.ndarray]:
