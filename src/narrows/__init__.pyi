@@ -7,6 +7,7 @@ from .base.errors import show_versions as show_versions
 from .captive import CaptiveTests as CaptiveTests
 from .captive import HarmonicRun as HarmonicRun
 from .captive import StraightRun as StraightRun
+from .captive import Tank as Tank
 from .captive import read_captive as read_captive
 from .captive import stream_captive as stream_captive
 from .captive import twin as twin
@@ -26,7 +27,6 @@ from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_conditions as identify_conditions
-from .identification.information import Tank as Tank
 from .identification.plan import Plan as Plan
 from .identification.plan import plan_tests as plan_tests
 from .logbook.checking.check_log import LogFindings as LogFindings

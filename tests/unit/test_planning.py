@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.identification.information import RATE, ExpectedErrors, candidates, choose
+from narrows.captive.synthetic import candidates
 from narrows.identification.motions import distinct_motions
 from narrows.identification.normal_equations import accumulate
-from narrows.identification.plan import expected_model
+from narrows.identification.plan import RATE, ExpectedErrors, choose, expected_model
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))

@@ -1,8 +1,8 @@
-"""Synthetic tests from a known truth, to find out which coefficients a test programme determines."""
+"""Runs of a towing tank, and synthetic tests of them from a known truth."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, product
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.quantities.names import Number
 from narrows.ship.motion import Motion
+from narrows.ship.particulars import Configuration, Ship, half_swept
 
 Columns = dict[str, np.ndarray]
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave")
@@ -198,3 +199,96 @@ def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
     # The first row has the same distribution as the others: it is white[0] itself.
     gain = np.sqrt(1 - keep**2)
     return np.array(list(accumulate(white[1:].tolist(), lambda last, new: keep * last + gain * new, initial=white[0])))
+
+
+# Offsets and amplitudes as shares of the distance between hull and wall.
+OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
+# Starboard and port: each run off the centreline may be mirrored.
+SIDES = (1, -1)
+# Steady motion of a run over the ship's length; and a limit above any tank's data, in SI.
+RUN_LENGTHS, MOST = 10.0, 1e5
+# Largest speed over the root of g L of a ship in a canal; largest number of samples in a run.
+MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
+
+
+@accept_aliases
+@dataclass(frozen=True)
+class Tank:
+    """Limits of a towing tank.
+
+    Raises an InputError if a number is not positive.
+
+    >>> nw.Tank(speeds=(0.6, 0.8)).speeds
+    (0.6, 0.8)
+    """
+
+    run_length: float | None = None  #: Steady motion in one run [m]; ten ship lengths unless given
+    #: Least distance from the hull's side to a wall [1], over the beam: closer to it, every form of the bank term is
+    #: uncertain
+    clearance: float = 1.5
+    heading: float = 25.0  #: Largest heading in a yaw test [deg], and drift angle in a sway test
+    speeds: Sequence[float] = ()  #: Speeds of runs [m/s]; three slow ones by the ship's length unless given
+    depths: Sequence[float] = ()  #: Depths of runs [m]; the canal's own unless given
+    #: Largest offset of midship from the centreline [m]; default: three quarters of the limit by the clearance, since
+    #: every form of the bank errs most close to a wall
+    reach: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, values in vars(self).items():
+            for value in () if values is None else np.ravel(values):
+                if not 0 < value < MOST:
+                    raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
+
+    def length_for(self, configuration: Configuration) -> float:
+        """Return the length of steady motion in a run [m], for the ship of a ``configuration``."""
+        return RUN_LENGTHS * configuration.ship.length if self.run_length is None else self.run_length
+
+
+def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
+    """List the runs that fit between the walls and into the length of a tank."""
+    ship, length = configuration.ship, tank.length_for(configuration)
+    clear = configuration.canal.width / 2 - ship.beam * (0.5 + tank.clearance)
+    room = 0.75 * clear if tank.reach is None else min(clear, tank.reach)
+    if room <= 0:
+        raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
+    dry = [depth for depth in tank.depths if depth <= ship.draft]
+    if dry:
+        raise InputError(f"a depth of {dry[0]} m leaves no water under a draft of {ship.draft} m; raise it")
+    wave = (9.81 * ship.length) ** 0.5
+    for speed in tank.speeds:
+        if speed > MOST_FROUDE * wave or length / speed > MOST_SAMPLES:
+            raise InputError(f"{speed:g} m/s is no speed for a ship {ship.length:g} m long in a tank; check it")
+    runs = []
+    slow = [round(froude * wave, 3) for froude in (0.08, 0.12, 0.16)]  # As in canals
+    for speed, depth in product(tank.speeds or slow, tank.depths or (None,)):
+        runs += [*_straight(room, length, speed, depth), *_harmonic(room, length, tank.heading, speed, depth)]
+    limit = configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9
+    return [run for run in runs if _reach(run, ship) <= limit]
+
+
+def _straight(room: float, length: float, speed: float, depth: float | None) -> Iterator[Run]:
+    for share, side, drift in product((0.0, 0.25, 0.5, 0.75, 1.0), SIDES, (0.0, 6.0)):
+        offset, drift = side * round(share * room, 3), side * drift + 0.0  # Never -0
+        if (share or drift) and (share or side > 0):
+            name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
+            yield StraightRun(name, offset, speed, length / speed, float(np.radians(drift)), depth)
+
+
+def _harmonic(room: float, length: float, heading: float, speed: float, depth: float | None) -> Iterator[Run]:
+    for kind, offset_share, side, share, cycles in product(("yaw", "sway"), OFFSETS, SIDES, AMPLITUDES, (2, 3, 5)):
+        offset = side * round(offset_share * room, 3)
+        amplitude, period = round(share * (room - abs(offset)), 3), round(length / speed / cycles, 2)
+        # Path angle at the centre crossing: a yaw run moves along its heading (sine), a sway run drifts (tangent).
+        steepest = speed * (np.sin if kind == "yaw" else np.tan)(np.radians(heading))
+        if (offset or side > 0) and 0 < amplitude * 2 * np.pi / period < steepest:
+            name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
+            yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)
+
+
+def _at(depth: float | None) -> str:
+    return "" if depth is None else f" h={depth:g}"
+
+
+def _reach(run: Run, ship: Ship) -> float:
+    columns = run.columns(100 / run.duration)
+    return float((np.abs(columns["y"]) + half_swept(ship, columns["psi"])).max())

@@ -1,32 +1,29 @@
 """Optimal experiment design: ``plan_tests`` chooses the next runs, from a ship, a tank and a budget."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy import special
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.base.results import Tabulated
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
-from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, twin
+from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, Tank, candidates, twin
 from narrows.empirical.fleet import published
 from narrows.identification.estimates import HALF
+from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.information import (
-    RATE,
-    ExpectedErrors,
-    Tank,
-    candidates,
-    choose,
-    expected_errors,
-    known_information,
-)
-from narrows.identification.least_squares import free_parameters
-from narrows.identification.normal_equations import accumulate
-from narrows.identification.systematic_effects import RunErrors
+from narrows.identification.least_squares import bounded_problem, free_parameters
+from narrows.identification.mixed_model import MixedModel
+from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions
+from narrows.identification.normal_equations import ONE, NormalEquations, accumulate
+from narrows.identification.systematic_effects import RunErrors, assemble
+from narrows.identification.verdict import Diagnostics
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
@@ -264,3 +261,138 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
         tank = replace(tank, reach=tested.abs_y[1])
         notes.append(f"Offsets are within those tested, {tested.abs_y[1]:.3g} m, as no reach was asked for.")
     return tank, tuple(notes)
+
+
+# Sampling rate [Hz]; a run's information depends on its noise per time, not on its sampling rate.
+RATE = 5.0
+# Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
+ZEROS = 3
+# Prior information relative to the largest of each parameter: almost none.
+RIDGE = 1e-9
+# Relative difference of the sum of variances within which runs count as equal: while a parameter is unknown, rounding
+# over the ridge moves it by about 1e-5.
+TIE = 1e-4
+# Rows of some forces, their mixed model, the coordinates of its scales, and the unit of each scaled coefficient.
+Part = tuple[ForceRows, MixedModel, np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True)
+class ExpectedErrors:
+    """Errors that a plan expects of its tests."""
+
+    configuration: Configuration
+    noise: Mapping[str, float]  # Standard deviation within a run [N, N, N m]
+    correlation_time: float  # of that noise [s]
+    runs: RunErrors  # Differences between runs
+
+    def parts(self, equations: NormalEquations, motions: DistinctMotions, terms: TermTable) -> Iterator[Part]:
+        """Set up the mixed model of the forces that share coefficients or errors."""
+        problem, rows_apart = bounded_problem(equations, terms), max(1.0, 2 * self.correlation_time * RATE)
+        for forces in problem.joint_forces:
+            noise = rows_apart * np.array([self.noise[force] ** 2 for force in forces])
+            rows = ForceRows(equations, motions, problem, forces, noise)
+            model, _, unit = assemble(rows, self.runs, self.configuration)
+            # In good tests the median ratio of fitted run-error scales to their priors is 0.7. The hull's discrepancies
+            # have their usual sizes, by a global scale of 1: before the tests nobody knows how well the terms fit.
+            z = np.full(len(model.prior), np.log(0.7))
+            if model.multiples:
+                z[-1] = -special.ndtri(2 * special.ndtr(-1 / model.prior[-1]))
+            yield rows, model, z, unit
+
+    def information(self, equations: NormalEquations, terms: TermTable) -> np.ndarray:
+        """Information of each run, as of ``information_of``."""
+        motions = distinct_motions(equations, repeats=False)
+        return information_of(self.parts(equations, motions, terms), motions, terms)
+
+
+def information_of(parts: Iterable[Part], motions: DistinctMotions, terms: TermTable) -> np.ndarray:
+    """Information of each motion, (motions, p + zeros, p + zeros), zeros by force and kind of run."""
+    # Generalised least squares on the rows of its mean; effects that several motions share are left out.
+    forces, size = [force for force, part in terms.forces.items() if part], max(free_parameters(terms).values()) + 1
+    zero = np.where(motions.steady, np.where(motions.features["side"] >= 0, 1, 2), 0)
+    information = np.zeros((len(motions), *(size + ZEROS * len(forces),) * 2))
+    for rows, model, z, _ in parts:
+        for (f, force), motion in product(enumerate(rows.forces), range(len(motions))):
+            own = np.flatnonzero(rows.of_mean & (rows.motion == motion))
+            columns = np.zeros((len(own), information.shape[-1]))
+            columns[:, rows.free_parameters] = rows.x[f * rows.each + own]
+            columns[:, size + ZEROS * forces.index(force) + zero[motion]] = rows.raw(ONE)[own]
+            information[motion] += columns.T @ np.linalg.solve(model.covariance_of(z, f * rows.each + own), columns)
+    return information
+
+
+def known_information(fit: Fit) -> np.ndarray:
+    """Information of earlier tests, (p + zeros, p + zeros)."""
+    parts = [(part.rows, part.posterior.model, part.posterior.mode, part.unit) for part in fit.estimates.forces]
+    return np.asarray(information_of(parts, fit.motions, fit.terms).sum(axis=0))
+
+
+def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int]) -> list[int]:
+    """Choose runs, each at most once, in the order of their use."""
+    # runs (n, forms, p, p); known (forms, p, p). Fedorov (1972), Theory of optimal experiments: the exchange.
+    scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0, initial=0.0))
+    scale[scale == 0] = 1.0
+    outer = scale[:, :, None] * scale[:, None, :]
+    runs, known = runs / outer, known / outer
+    base = known + RIDGE * np.eye(known.shape[-1])
+
+    def best(taken: list[int], offered: Sequence[int]) -> int:
+        left = np.array([i for i in offered if i not in taken])
+        return int(left[_least(base + runs[taken].sum(axis=0) + runs[left], targets)])
+
+    chosen: list[int] = []
+    for _ in range(min(count, len(runs))):
+        chosen.append(best(chosen, range(len(runs))))
+    for _ in range(20):  # Rounds of exchanges, at most
+        before = list(chosen)
+        for i in range(len(chosen)):
+            chosen[i] = best(chosen[:i] + chosen[i + 1 :], range(len(runs)))
+        if chosen == before:
+            break
+    order: list[int] = []
+    for _ in chosen:
+        order.append(best(order, chosen))
+    return order
+
+
+def _least(information: np.ndarray, targets: Sequence[int]) -> int:
+    """The least sum of variances under the worst form; among near-equals the least determinant, then the first."""
+    # information (..., forms, p, p)
+    covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
+    worth = np.trace(covariance, axis1=-2, axis2=-1).max(axis=-1)
+    tied = np.flatnonzero(worth <= worth.min() * (1 + TIE))
+    volume = np.linalg.slogdet(covariance[tied])[1].max(axis=-1)
+    return int(tied[np.flatnonzero(volume <= volume.min() + TIE)[0]])
+
+
+def expected_errors(
+    planned: NormalEquations, runs: Sequence[Run], counts: Sequence[int], targets: Sequence[str], terms: TermTable,
+    assumed: ExpectedErrors, made: Fit | None,
+) -> np.ndarray:  # fmt: skip
+    """Standard errors of some coefficients after the first of the runs and earlier tests, (counts, targets).
+
+    They are infinite where the tests do not determine a coefficient.
+    """
+    slot, table = free_parameters(terms), []
+    for count in counts:
+        equations = planned.of_tests([run.name for run in runs[:count]])
+        equations = equations if made is None else _joined(made.normal_equations, equations)
+        motions, std = distinct_motions(equations), np.zeros(max(slot.values()) + 1)
+        for rows, model, z, unit in assumed.parts(equations, motions, terms):
+            spread = model.conditional(z).covariance
+            std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
+        known = Diagnostics(equations, terms, motions).determined
+        table.append([std[slot[name]] if known(name) else np.inf for name in targets])
+    return np.array(table)
+
+
+def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:
+    """Sums of the information of earlier and of planned tests."""
+    names = set(planned.moved) & set(made.moved)
+    return NormalEquations(
+        planned.columns,
+        np.concatenate([made.unweighted, planned.unweighted]),
+        (*made.tests, *(f"planned {name}" for name in planned.tests)),
+        {name: np.concatenate([made.moved[name], planned.moved[name]]) for name in names},
+        planned.length,
+    )
