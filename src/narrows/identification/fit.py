@@ -226,9 +226,9 @@ class Fit(BaseResult):
         return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
     def shapley(self) -> dict[str, dict[str, float]]:
-        """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
+        """Shapley value of each term, over the sum of their sizes: force -> coefficient -> share.
 
-        The value of a set of terms is minus its mean squared error with the fitted coefficients.
+        The worth of a set of terms is minus its mean squared error with the fitted coefficients.
         """
         # The game is quadratic, which gives a closed form: theta_j (2 x_j'y - x_j'X theta), up to a factor.
         equations, shared = self.normal_equations, {}
