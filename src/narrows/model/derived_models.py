@@ -166,7 +166,7 @@ def with_transverse_thrust(model: Model, share: float = 1.0) -> Model:
     """Return a model whose propeller pushes the stern sideways when it turns astern.
 
     A right-handed propeller pushes the stern to port, so that the bow turns to starboard. The force is that of the Esso
-    Osaka, relative to L d (n D)^2.
+    Osaka (coefficients A_1 to A_5, B_1 to B_5 of Osaka University's MMG model), relative to L d (n D)^2.
 
     Raises an InputError if the model has no propeller, or has these terms.
 
@@ -176,10 +176,6 @@ def with_transverse_thrust(model: Model, share: float = 1.0) -> Model:
         A model with terms of a propeller.
     share : float [1]
         Force relative to the Esso Osaka's; negative for a left-handed propeller.
-
-    References
-    ----------
-    Coefficients A_1 to A_5 and B_1 to B_5 of the MMG model of the Esso Osaka (3 m model) at Osaka University.
 
     Examples
     --------

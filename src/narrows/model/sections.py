@@ -181,7 +181,7 @@ def _value(value: Any, indent: str = "") -> str:
 
 @accept_aliases
 def load_model(path: str | Path, terms: TermTable | None = None) -> "narrows.Model":
-    """Read a model file.
+    """Read a model file: the same model as was saved.
 
     Raises an InputError if the file is absent, or a section, a key or a coefficient is missing or misspelt.
 
@@ -191,11 +191,6 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> "narrows.Mod
         The file, or the name of a published model.
     terms : TermTable, optional
         The user's own table, if the file was made with one.
-
-    Returns
-    -------
-    Model
-        The same as the saved model.
 
     Examples
     --------

@@ -138,7 +138,10 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     >>> "b_bank" in nw.with_bank(nw.SPEED, "tuck").names
     True
     """
-    form = _form(form)
+    if isinstance(form, str):
+        if form not in FORMS:
+            raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
+        form = FORMS[form]
     kept = without(table, name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
     _, sway, yaw = table.letters
     return kept.with_terms(kept.name, sway=_bank_terms(form, sway, suction), yaw=_bank_terms(form, yaw, cushion))
@@ -152,12 +155,6 @@ def _base(table: TermTable) -> str:
     """The name of a table without its form of the bank."""
     base, *additions = table.name.split("+")
     return "+".join([base, *(word for word in additions if word in ADDED)])
-
-
-def _form(form: str | BankForm) -> BankForm:
-    if isinstance(form, str) and form not in FORMS:
-        raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
-    return FORMS[form] if isinstance(form, str) else form
 
 
 # The paper's table of terms, and further hull terms that data required.

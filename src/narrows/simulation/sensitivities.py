@@ -17,15 +17,13 @@ from narrows.codegen.free_motion import COUNTED, INPUTS, LENGTH, stages_at
 from narrows.codegen.system import COMPLEX_STEP
 from narrows.model.model import Model
 from narrows.ship.checks import check_angles
-from narrows.simulation.initial_state import VoyageIntegrator, check_positions, initial_state
+from narrows.simulation.initial_state import POSE, VoyageIntegrator, check_positions, initial_state
 from narrows.simulation.inputs import START, STEADY, finite_numbers, segments_of
 from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
     import pandas as pd
-
-STATES = ("x", "y", "psi", "u", "v", "r")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -56,9 +54,9 @@ class Sensitivities(BaseResult):
 
         Raises an InputError if it was not requested.
         """
-        if state not in STATES or by not in self.by:
+        if state not in POSE or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")
-        slope: np.ndarray = self.slopes[:, STATES.index(state), self.by.index(by)]
+        slope: np.ndarray = self.slopes[:, POSE.index(state), self.by.index(by)]
         return slope
 
     def for_one_percent(self) -> dict[str, float]:
@@ -72,7 +70,7 @@ class Sensitivities(BaseResult):
         return "\n".join(filter(None, (self.voyage.summary(), sentence)))
 
     def to_dict(self) -> dict[str, Any]:
-        end = dict(zip(STATES, self.slopes[-1], strict=True))
+        end = dict(zip(POSE, self.slopes[-1], strict=True))
         slopes = {name: dict(zip(self.by, row.tolist(), strict=True)) for name, row in end.items()}
         return {"voyage": self.voyage.to_dict(), "at_end": slopes, "summary": self.summary(), "notes": list(self.notes)}
 
@@ -81,8 +79,8 @@ class Sensitivities(BaseResult):
         import pandas as pd
 
         rows = pd.MultiIndex.from_product([self.voyage.t, self.by], names=["t", "by"])
-        columns = [f"d{name}" for name in STATES]
-        return pd.DataFrame(self.slopes.transpose(0, 2, 1).reshape(-1, len(STATES)), rows, columns)
+        columns = [f"d{name}" for name in POSE]
+        return pd.DataFrame(self.slopes.transpose(0, 2, 1).reshape(-1, len(POSE)), rows, columns)
 
 
 @accept_aliases
