@@ -151,7 +151,7 @@ def _lines(features: list[Feature], file: str) -> dict[str, Feature]:
     written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
     if [one.geometry.get("type") for one in features] == ["LineString"] and set(roles) <= {"centreline"}:
         raise InputError(
-            f"{file}: has one line; with a width and a depth (of your own) it is a waterway: "
+            f"{file}: has one line; with your width and depth it is a waterway: "
             f"narrows waterway --line {quote(file)} --width 300 --depth 16 -o {written}"
         )
     if not features:
