@@ -21,9 +21,9 @@ PHYSICS = [
     for function in vars(room).values()
     if isfunction(function)
     and getattr(function, "__module__", "") == room.__name__
-    and {"pressure", "mass"}.isdisjoint(
+    and {"pressure", "mass", "shear"}.isdisjoint(
         argument_names(function)
-    )  # Of another function or a given mass: tables hold these.
+    )  # Of another function or a given mass, which tables hold; of the gradient of a current, which steps hold.
     and function not in (hull.half_drift, hull.drift)  # Not defined at rest
 ]
 PHYSICS += dict.fromkeys(
