@@ -16,9 +16,8 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.base.aliases import name_here, public_name
+        from narrows.base.aliases import function_named, public_name
 
-        if function := name_here(name, "functions"):
-            room, _, name_there = function.rpartition(".")
-            return getattr(_loaded(room), name_there) if room else _loaded(function)
+        if function := function_named(name):
+            return function
         raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

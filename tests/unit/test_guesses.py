@@ -194,8 +194,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.interval(name, level=0.9)": (lambda: fit().interval("b_v"), "intervals are of 95 %; write intervals"),  # type: ignore[attr-defined]
     "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]
     "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
-    "model.poles()": (lambda: DTC.poles(), r"write linearize\(u=...\).poles\(\)"),  # type: ignore[attr-defined]
-    "model.sample": (lambda: DTC.sample, "write nw.ensemble"),  # type: ignore[attr-defined]
     "nw.plot_envelope": (lambda: nw.plot_envelope, "write safe_envelope"),  # type: ignore[attr-defined]
     "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
     "nw.step_response": (lambda: nw.step_response, "state_space"),  # type: ignore[attr-defined]
@@ -206,7 +204,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: nw.simulate(KCS, u=4.0, controller=nw.control.lqr(KCS, 1, 1, u=4.0)),
         r"nw.control.regulator\(model, y, u\) is one",
     ),
-    "nw.cross_validate(tests)": (lambda: nw.cross_validate(TESTS()), "write identify"),  # type: ignore[attr-defined]
+    "nw.cross_validate(tests, cv=5)": (lambda: nw.cross_validate(TESTS(), cv=5), "write identify"),  # type: ignore[attr-defined]
     "nw.simulate(x0=[...])": (lambda: nw.simulate(DTC, x0=[0.0, 0.5, 0.0, 1.0, 0.0, 0.0]), "x is the place along"),
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
     "nw.simulate(..., t_span=)": (lambda: nw.simulate(DTC, y=0.5, t_span=(0, 9)), "write duration"),
@@ -224,12 +222,14 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.set(b_v=1)": (lambda: DTC.set(b_v=1.0), r"write with_coefficients\("),  # type: ignore[attr-defined]
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .fmu"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
-    "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"matrices\(\), and python-control.s ctrb"),
     "model.replace(depth=)": (lambda: DTC.replace(depth=0.4), r"with_canal\(...\), or nw.at_depth\(model, depth\)"),
-    "model.coefficients[a name of another table]": (lambda: KCS.coefficients["b_bank"], "did you mean 'Y_bank'"),
-    "nw.read_captive(df, ship=tests.ship)": (
-        lambda: nw.read_captive(frame_of(TESTS()), ship=DTC.ship),
+    "model.coefficients[a name of another table]": (
+        lambda: KCS.coefficients["b_bank"],
+        "of the bank are Y_bank, N_bank",
+    ),
+    "nw.read_captive(df, ship=nw.Ship(...))": (
+        lambda: nw.read_captive(frame_of(TESTS()), ship=DTC.configuration.ship),
         r"give tests.configuration",
     ),
     "nw.Monitor(model).feed(sentence)": (lambda: nw.Monitor(STEERED).feed("$"), "--replay FILE reads NMEA sentences"),
@@ -262,12 +262,18 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.intervals: .* 95 %"),  # type: ignore[call-arg]
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
-    'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
+    'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, "bow", "barrass"), "give gives='largest'"),
     "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
     "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
     "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
-    "model.ukc": (lambda: DTC.ukc, "write canal.depth - ship.draft"),  # type: ignore[attr-defined]
+    "tests.split()": (lambda: TESTS().split(test_size=0.25), r"write nw.identify\(tests\).left_out"),
+    "nw.passing": (lambda: nw.passing, "forces between ships are not modelled"),  # type: ignore[attr-defined]
+    "nw.load_voyage(path)": (lambda: nw.load_voyage, r"open_dataset\(path\)"),  # type: ignore[attr-defined]
+    "voyage.forces": (lambda: voyage().forces, r"model.forces\(y=voyage.y"),  # type: ignore[attr-defined]
+    "tests.filter(cutoff=1.0)": (lambda: TESTS().filter(cutoff=1.0), "scipy.signal filters"),
+    "nw.plan(criterion=)": (lambda: nw.plan(DTC, criterion="D"), "minimise the sum of the variances"),  # type: ignore[attr-defined]
+    "model.plot(hue=)": (lambda: DTC.plot(hue="x"), "columns of its table"),
     "nw.froude_depth": (lambda: nw.froude_depth, "write choke_speed, or u / np.sqrt"),  # type: ignore[attr-defined]
     "nw.Sensors": (lambda: nw.Sensors, "write a list of sensors"),  # type: ignore[attr-defined]
     "voyage.rot": (lambda: voyage().rot, "in degrees a minute"),  # type: ignore[attr-defined]
@@ -500,6 +506,32 @@ assert repr(fit.summary()) == str(fit) and json.dumps(voyage.summary())[0] == '"
 sunk = nw.squat(kcs, u=np.arange(1.0, 5.0)); assert sunk.sinkage[3] == nw.squat(kcs, 4.0).sinkage and len(sunk.df) == 4
 assert type(sunk.to_dict()["summary"]) is str
 assert sunk.bow[3] == nw.squat(kcs, 4.0).bow and str(sunk) and len(fit.plot_fit().axes) == 3
+assert fit.cov.loc["b_v", "b_r"] == fit.cov().b_v.b_r and fit.vif() == fit.vif and fit.r2() == fit.rsquared
+assert pickle.loads(pickle.dumps(fit.corr)).equals(fit.correlation()) and fit.conf_int.equals(fit.conf_int(alpha=0.05))
+boot = nw.bootstrap(tests, n=20, seed=1)
+assert boot.std()["b_v"] == fit.bootstrap(20, 1).std["b_v"] and len(boot.df) == 20
+assert nw.cross_validate(tests).rmse["N"] == fit.left_out["N"].rmse == nw.left_out_error(fit)["N"].rmse
+fixed = nw.identify(tests, fixed={"b_bank": 0, "b_vdot": 60.0}); assert fixed["b_bank"] == fixed.std["b_bank"] == 0
+assert fixed.intervals["b_vdot"] == (60.0, 60.0) and fixed.bootstrap(9).samples[:, 3].std() == 0 and fixed.left_out
+best = nw.compare(tests, ["paper", "speed"]).best; assert best.N == best["N"] == best("N")
+assert len(kcs.sample(3)) == len(fit.sample(n_samples=3, seed=1)) == 3 and kcs.draws(2)[0] != kcs
+drawn = nw.monte_carlo(kcs, n=9, y=20, u=4)
+assert drawn.probability("grounded") == (drawn.outcome == "grounded").mean()
+assert nw.plan(tests.ship, runs=2).runs
+assert nw.plan(model=tests, runs=2).notes == nw.plan(tests.ship, runs=2, after=tests).notes
+assert nw.Tests.from_dataframe(tests.to_dataframe(), ship=tests.ship).configuration == tests.configuration
+assert voyage.at(voyage.t[5]).y == voyage.y[5] and len(voyage.interp([1.0, 2.0])) == 2
+assert nw.ukc(kcs, u=5.0) == kcs.under_keel_clearance(u=5.0) == nw.squat(kcs, 5.0).ukc
+assert kcs.poles(u=4.0).shape == (4,) and kcs.advance(35) == nw.turning_circle(kcs, 35).advance
+steered = nw.simulate(kcs, u=4, rudder=lambda t, s: 0.1 - s.r, duration=9); assert steered.rudder[-1] > 0
+wide = nw.turning_circle(kcs, np.deg2rad(35)); assert "radians" in str(wide.notes)
+assert abs(wide.advance / kcs.advance(35) - 1) < 1e-9
+assert nw.squat(kcs, 5.0, method="barrass").gives == "largest"
+assert len(kcs.linearize().ABCD) == len(kcs.linearize().ssdata()) == 4
+ax = voyage.plot(label="free", color="k"); assert steered.plot(ax=ax, label="steered").get_legend().get_texts()
+assert len(tests.plot(["Y", "N"]).axes) == len(voyage.plot(x="t", y=["psi", "r"]).axes) == 2
+assert model.plot(title="T", figsize=(6, 4)).axes[0].get_title() == "T" and tests.plot("Y").axes
+assert nw.safe_envelope(kcs, y=[0.0], u=[4.0], samples=9, confidence=0.95).speeds.size == 1
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
@@ -674,11 +706,11 @@ def test_methods_accept_the_other_names_of_arguments() -> None:
         ("fit.conf_int(alpha=0.1)", "conf_int takes no arguments here: intervals are of 95 %; write conf_int"),
         ("nw.measured_squat()", "write pandas.read_csv of lataire2009_squat.csv"),
         ("f'{model:.2f}'", "a Model is no number"),
-        ("model.plot(x='x')", "write ax=..., or to_dataframe"),
+        ("model.plot(x='x')", "column = 'x' is unknown"),
         ("model.bank_forces(u=1.0)", "write motion=nw.Motion"),
-        ("nw.simulate(model, y=0.5, rudder=lambda t: 0.1)", "controller=... takes a function of time and state"),
+        ("nw.simulate(model, y=0.5, rudder=lambda t: 0.1)", "for which this model has no terms"),
         ("nw.predict", r"write .predict of a Model or Fit"),
-        ("nw.control.damp", "write .damp of a LinearSystem"),
+        ("nw.control.damp", "write nw.damp"),
         ("nw.control.zigzag", "write nw.zigzag"),
         ("nw.export.save_model", "write nw.save_model"),
         ("model.froude_number", "write choke_speed"),

@@ -14,7 +14,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 @pytest.mark.parametrize(
     ("act", "said"),
     [
-        (lambda: nw.read_captive(frame_of(short_twin()), DTC.ship), "a Ship without a canal"),
+        (lambda: nw.read_captive(frame_of(short_twin()), DTC.configuration.ship), "a Ship without a canal"),
         (lambda: nw.read_captive(frame_of(short_twin()), {"ship": {"length": 4.0}}), "lacks beam, draft"),
         (lambda: nw.read_captive(frame_of(short_twin()), 3), "is no path"),
         (lambda: short_twin().drop("yawn"), "'yaw'"),

@@ -61,10 +61,10 @@ def test_circles_and_zigzags_are_those_of_the_trials() -> None:
     assert zigzag.overshoots_deg == trials.zigzags["+20/20"].overshoots_deg
     for one in (circle, zigzag):
         assert len(one.plot().axes) == 1
-    with pytest.raises(nw.InputError, match="in degrees, not in radians"):
-        nw.turning_circle(model, np.radians(35))
-    with pytest.raises(nw.InputError, match="a heading of 0"):
-        nw.zigzag(model, 20, np.radians(20))
+    same = nw.turning_circle(model, -np.radians(35), speed), nw.zigzag(model, 20, np.radians(20), speed)
+    assert same[0].advance == pytest.approx(circle.advance)
+    assert same[1].overshoots_deg == pytest.approx(zigzag.overshoots_deg)
+    assert all("was read in radians" in one.notes[-1] for one in same)
     assert nw.turning_circle(model, "-35deg", speed).tactical_diameter == circle.tactical_diameter
     with pytest.raises(nw.InputError, match="must be a finite number"):
         nw.turning_circle(model, "hard over")

@@ -49,7 +49,7 @@ def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit) -> None:
 def test_bootstrap_and_posterior_agree(fit: nw.Fit) -> None:
     found = fit.bootstrap(4000)
     known = [i for i, n in enumerate(NAMES) if fit.verdicts[n].determined]
-    assert np.median(found.std[known] / fit.estimates.free_std[known]) == pytest.approx(1.0, abs=0.3)
+    assert np.median(np.array(found.std)[known] / fit.estimates.free_std[known]) == pytest.approx(1.0, abs=0.3)
     for name, (low, high) in found.intervals().items():
         assert low <= high, name
     one, two, other = (fit.bootstrap(50, seed).samples for seed in (1, 1, 2))

@@ -15,6 +15,8 @@ import numpy as np
 from narrows.base.errors import InputError, near_miss, shown
 
 CANAL = {"width", "depth"}
+# Functions that read the file of an argument.
+READERS = {"waterway": "read_waterway", "model": "load_model", "truth": "load_model"}
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -38,6 +40,38 @@ def names_of(kind: Any) -> set[str]:
     return {*dir(kind), *getattr(kind, "__dataclass_fields__", ())}
 
 
+def function_named(name: str) -> Any:
+    """Return the public function of another library's name, also one for a part of a result; None if there is none."""
+    import narrows
+
+    if ours := name_here(name, "functions"):
+        return attrgetter(ours)(narrows)
+    row = name_here(name, "results")
+    return _part_of(*row.rsplit(".", 1)) if row else None
+
+
+def _part_of(path: str, part: str) -> Any:
+    """Return the function for a part of another one's result: ``nw.bootstrap`` for ``identify(tests).bootstrap``."""
+    import narrows
+
+    function = attrgetter(path)(narrows)
+    arguments = Arguments(function)
+
+    @wraps(function)
+    def called(*values: Any, **given: Any) -> Any:
+        if values and part in names_of(type(values[0])):
+            made, rest = values[0], given
+        else:
+            rest = {name: value for name, value in given.items() if not arguments.has(name)}
+            made = function(*values, **{name: value for name, value in given.items() if name not in rest})
+        found = getattr(made, part)
+        if rest and not inspect.isroutine(found):
+            raise InputError(f"{part} takes no {', '.join(rest)}; write {path}(...).{part}")
+        return found(**rest) if inspect.isroutine(found) else found
+
+    return called
+
+
 def part_named(name: str, room: str, parts: Iterable[str]) -> Any:
     """Return a part of a subpackage by another library's name; raise if there is none."""
     import narrows
@@ -51,6 +85,8 @@ def part_named(name: str, room: str, parts: Iterable[str]) -> Any:
 def public_name(name: str, known: Iterable[str]) -> str:
     """Return what to write instead of an unknown public name, as the end of a sentence."""
     longer = [word for word in sorted(known) if len(name) > 2 and name.lower() in word.lower()]
+    if reason := name_here(name, "why"):
+        return f": {reason}"
     meant = _instead_of(name) or " or ".join(longer)
     return f"; write {meant}" if meant else near_miss(name, known, cutoff=0.75)
 
@@ -80,6 +116,8 @@ def accept_aliases(function: Function) -> Function:
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
+        if callable(given.get("rudder")) and "controller" in names:
+            given["controller"] = given.pop("rudder")
         canal = {ours: given.pop(name) for name in [*given] if (ours := arguments.of_canal(name, given))}
         given = arguments.renamed(_with_parts(arguments.parameters, names[len(values) :], given))
         values = (*map(arguments.converted, names, values), *values[len(names) :])
@@ -111,7 +149,7 @@ class Arguments:
     def renamed(self, given: dict[str, Any]) -> dict[str, Any]:
         """Return named arguments by the names here; raise where a name is answered with what to write."""
         for name in [name for name in given if name not in self.parameters]:
-            if self.more and name in aliases("arguments"):
+            if self.more == "style" or (self.more and name in aliases("arguments")):
                 continue
             ours = self._name_here(name)
             if not ours and (stem := self._without_unit(name)) and (size := unit_of(name, stem)):
@@ -122,6 +160,9 @@ class Arguments:
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
             elif meant := name_here(name, "other_arguments", self._are_own):
+                if "95 %" in meant and given[name] in (0.05, 0.95):
+                    del given[name]
+                    continue
                 raise InputError(f"{self.own} has no argument {name!r}; write {meant}")
         return given
 
@@ -138,12 +179,17 @@ class Arguments:
         """Return the model of a fit or file, and a number that is written with its unit in SI, or degrees."""
         if name == self.model:
             return _model_of(value)
+        if name in READERS and isinstance(value, str | Path):
+            return attrgetter(READERS[name])(import_module("narrows"))(value)
         if not isinstance(value, str) or name not in (*aliases("arguments"), "speed", "heading"):
             return value
         names = import_module("narrows.quantities.names")
         number = names.in_si(value, name)
         in_degrees = f"{self.own}.{name}" in aliases("own_arguments") and number != value
         return number / names.DEGREE if in_degrees else number
+
+    def has(self, name: str) -> bool:
+        return bool(name in self.parameters or self.more or self._name_here(name) or self._without_unit(name))
 
     def _name_here(self, name: str) -> str:
         # A name can be that of two arguments (h: a step or a depth): the function has one of them.

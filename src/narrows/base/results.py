@@ -4,7 +4,7 @@ import ast
 import builtins
 import math
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from functools import cache, partial, wraps
 from html import escape
 from importlib import import_module
@@ -15,9 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.base.aliases import accept_aliases, aliases, name_here, names_of, unit_of
+from narrows.base.aliases import accept_aliases, aliases, function_named, name_here, names_of, unit_of
 from narrows.base.errors import InputError, did_you_mean
 from narrows.base.files import FORMS, csv_of, forms_of, to_json, write, write_whole
+from narrows.base.named_values import Named
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,6 +73,19 @@ def _value(value: Any, name: str, *values: Any, **given: Any) -> Any:
     return value
 
 
+def _with_call(table: "pd.DataFrame", name: str) -> "pd.DataFrame":
+    """Return a table that a call returns again, since it is a method in some libraries."""
+
+    def again(self: Any, *values: Any, **given: Any) -> Any:
+        return _value(table, name, *values, **given)
+
+    def reduced(self: Any, protocol: Any) -> Any:
+        return type(table), (table,)
+
+    kind: Any = type("DataFrame", (type(table),), {"__call__": again, "__reduce_ex__": reduced})
+    return kind(table)  # type: ignore[no-any-return]
+
+
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
     kind = type(thing)
@@ -87,15 +101,16 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         if used <= {*known, *_LIBRARIES} and not ("." in ours and is_method):
             scope = {short: import_module(_LIBRARIES[short]) for short in used & _LIBRARIES.keys()}
             value = eval(ours.removesuffix(CALL), scope | {one: getattr(thing, one) for one in used & known})
-            if called == ours.endswith(CALL):
+            if type(value).__name__ == "DataFrame":
+                return _with_call(value, name)
+            if called == ours.endswith(CALL) or isinstance(value, Named):
                 return value
             return partial(_value, value, name) if called else value()
     stem = name.rpartition("_")[0]
     own = stem if stem in known else name_here(stem, "attributes", lambda row: _head(row) in known)
     if own and (size := unit_of(name, own.rpartition(".")[2])) and not callable(value := getattr(thing, stem)):
         return np.divide(value, size)
-    ours = name_here(name, "functions") or name
-    function = getattr(narrows, ours) if ours in dir(narrows) else None
+    function = function_named(name) or (getattr(narrows, name) if name in dir(narrows) else None)
     if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
         kind.__name__, ()
     ):
@@ -151,49 +166,6 @@ class Aliased(metaclass=Answering):
 
         def __getattr__(self, name: str) -> Any:
             return answer(self, name)
-
-
-class Named(dict[str, Any]):
-    """Values by name, which are attributes too; otherwise it answers as a pandas Series."""
-
-    def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
-        return np.array([*self.values()], dtype)
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            if name in self:
-                return self[name]
-            import pandas as pd
-
-            if name in ("to_pandas", "to_series"):
-                return partial(pd.Series, self)
-            if name.startswith("_") or not hasattr(pd.Series, name):
-                raise AttributeError(f"there is no {name!r} here{did_you_mean(name, self)}")
-            return getattr(pd.Series(self), name)
-
-
-class Forces(Named):
-    """Forces by name; ``X, Y, N = model.forces(...)`` unpacks their values."""
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self.values())
-
-
-class Coefficients(Named):
-    """Values of a model, which do not change in place: its verdicts and covariance would not follow."""
-
-    def _refuse(self, *values: Any, **given: Any) -> Any:
-        raise InputError("coefficients do not change in place; write model.with_coefficients(...), a copy")
-
-    __setitem__ = __delitem__ = __setattr__ = __delattr__ = __ior__ = _refuse
-    update = pop = popitem = setdefault = clear = _refuse
-
-    def __missing__(self, name: str) -> Any:
-        raise KeyError(f"unknown coefficient {name!r}{did_you_mean(name, self)}")
-
-    def __reduce__(self) -> Any:
-        return type(self), (dict(self),)
 
 
 def equal_to(word: str) -> Any:
@@ -271,13 +243,15 @@ class BaseResult(BaseSummary):
         raise NotImplementedError
 
     @accept_aliases
-    def plot(self, ax: "Axes | str | Path | None" = None) -> "Figure":
+    def plot(self, ax: "Axes | Figure | str | Path | Sequence[str] | None" = None, **style: Any) -> "Figure":
         """Draw it, as a Matplotlib figure: one panel, or its main one, on Axes ``ax`` if given.
 
-        With a path for ``ax`` the figure is written there: ``.png``, ``.svg`` or ``.pdf``. Raises an InputError if its
-        kind has no figure, or axes are given and it has several panels without a main one.
+        With a path for ``ax`` the figure is written there: ``.png``, ``.svg`` or ``.pdf``. Columns of its table for
+        ``ax`` or ``y`` are drawn over the rows, or over the column ``x``. ``style`` is ``title``, ``figsize``, and for
+        the main line ``label``, ``color`` and the like. Raises an InputError if its kind has no figure, or axes are
+        given and it has several panels without a main one.
         """
-        return narrows.report.figure_of(self, ax)
+        return narrows.report.figure_of(self, ax, **style)
 
     def save(self, path: str | Path) -> None:
         """Write it to a ``path`` in the format of its suffix, whole or not at all.

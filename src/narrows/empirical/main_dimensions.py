@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, shown
-from narrows.base.results import Coefficients
+from narrows.base.named_values import Coefficients
 from narrows.empirical import formulas
 from narrows.empirical.formulas import SHIP_TYPES, SIGNED, Calibration, Hull, ShipType, Uncertain
 from narrows.model.data_range import DataRange

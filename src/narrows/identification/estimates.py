@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.base.errors import InputError
-from narrows.base.results import with_error
+from narrows.base.named_values import Named
+from narrows.base.results import Aliased, with_error
 from narrows.identification.least_squares import Problem, solve, solve_many
 from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
 from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions, grouped
@@ -45,13 +46,11 @@ class ForcePosterior:
 
 @dataclass(frozen=True)
 class CoefficientEstimates:
-    """Estimates of the coefficients, in the order of ``terms.names``."""
-
     problem: Problem
     forces: tuple[ForcePosterior, ...]
     free_values: np.ndarray  # (n,) without its own bound, given the other coefficients at their bounds
     free_std: np.ndarray  # (n,) half width of the 95 % interval without bounds, as a standard error
-    values: np.ndarray  # (n,)
+    values: np.ndarray  # (n,) in the order of ``terms.names``, as the others are
     std: np.ndarray  # (n,)
     ends: np.ndarray  # (n, 2) 95 % interval within the bounds
     held: np.ndarray  # (n,) held at a bound that the data reject
@@ -113,6 +112,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Rounding may make it negative.
         std = np.sqrt(weights @ (variances + (means - mean) ** 2))
         beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-12 * np.abs(mean) + 1e-150)
+        beyond[bounds[:, 0] == bounds[:, 1]] = np.inf  # Fixed
         beyond[held] = -np.inf
         if beyond.max() < 2.0:  # So many standard errors beyond a bound, an estimate is held at it
             break
@@ -139,7 +139,8 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         # Near a bound the unified interval contains a true value on it; a truncated quantile never does.
         ends[:, i] = bounded_interval(float(free[i]), float(free_std[i]), tuple(bounds[i]))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
-    std = np.where(held, _truncated_std(np.abs(free - values), free_std), np.sqrt(np.diag(covariance)))
+    truncated = _truncated_std(np.abs(free - values), free_std * (low < high))
+    std = np.where(held, truncated, np.sqrt(np.diag(covariance)))
     least, most = np.minimum(ends[0], values), np.maximum(ends[1], values)
     return np.column_stack([free, free_std, values, std, least, most, held]), covariance
 
@@ -233,14 +234,13 @@ def _accepted() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return truths, least(root), truths + root
 
 
-@dataclass(frozen=True)
-class Bootstrap:
+@dataclass(frozen=True, repr=False)
+class Bootstrap(Aliased):
     """Coefficients of many resamples of the tests, a check of the mixed model's intervals."""
 
     problem: Problem
-    # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
-    samples: np.ndarray
-    std: np.ndarray  # (n,) Half width of the central 68 % of the coefficients fitted without bounds
+    samples: np.ndarray  # (resamples, n) Coefficients of each fit under the constraints, each in its own unit
+    std: Mapping[str, float]  # Half width of the central 68 % of each coefficient fitted without bounds
     estimates: CoefficientEstimates  # Estimates from the original tests: centres of the intervals
 
     def intervals(self) -> dict[str, tuple[float, float]]:
@@ -248,7 +248,7 @@ class Bootstrap:
         # They use the spread of fits without bounds: percentiles of constrained ones miss the truth where a
         # coefficient, or one that it trades against, is near a bound. Andrews (2000), Inconsistency of the bootstrap
         # when a parameter is on the boundary of the parameter space.
-        seen = zip(self.problem.terms.terms, self.estimates.free_values.tolist(), self.std.tolist(), strict=True)
+        seen = zip(self.problem.terms.terms, self.estimates.free_values.tolist(), self.std.values(), strict=True)
         return {term.name: bounded_interval(value, std, term.bound) for term, value, std in seen}
 
 
@@ -265,7 +265,7 @@ def resampled(
     # Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
     low, high = np.quantile(free, (0.158655, 0.841345), axis=0)
     bounded = problem.coefficients(solve_many(h, g, problem.lower, problem.upper))
-    return Bootstrap(problem, bounded, (high - low) / 2, found)
+    return Bootstrap(problem, bounded, Named(zip(problem.terms.names, ((high - low) / 2).tolist(), strict=True)), found)
 
 
 @dataclass(frozen=True)

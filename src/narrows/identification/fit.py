@@ -10,7 +10,8 @@ import numpy as np
 
 import narrows
 from narrows.base.errors import InputError
-from narrows.base.results import BaseResult, Coefficients, Named, same_content
+from narrows.base.named_values import Coefficients, Named
+from narrows.base.results import BaseResult, same_content
 from narrows.captive.columns import check_given
 from narrows.captive.read import Tests, as_tests
 from narrows.captive.tests import CaptiveTests
@@ -107,7 +108,8 @@ class Fit(BaseResult):
     @property
     def vif(self) -> dict[str, float]:
         """Variance inflation factor of each coefficient among those of its force, over all rows [1]."""
-        return {name: factor for own in self.diagnostics.overall.values() for name, factor in own.vif.items()}
+        parts = self.diagnostics.overall.values()
+        return Named({name: factor for own in parts for name, factor in own.vif.items()})
 
     @property
     def condition_number(self) -> dict[str, float]:
@@ -129,12 +131,12 @@ class Fit(BaseResult):
     @property
     def rsquared(self) -> dict[str, float]:
         """R2 of each force on the rows of the fit [1]."""
-        return {force: fitted.r2 for force, fitted in self.scores.items()}
+        return Named({force: fitted.r2 for force, fitted in self.scores.items()})
 
     @property
     def rmse(self) -> dict[str, float]:
         """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
-        return {force: fitted.rmse for force, fitted in self.scores.items()}
+        return Named({force: fitted.rmse for force, fitted in self.scores.items()})
 
     @cached_property
     def left_out(self) -> dict[str, Score]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
+from narrows.base.named_values import Named
 from narrows.base.results import BaseResult
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
 from narrows.captive.measured import measured_files
@@ -47,12 +48,11 @@ CONDITION, DENSITY = "C0101A02", 1025.0
 def identify(
     tests: Any, terms: TermTable | str = PAPER, balance: Balance = "tests",
     accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
-    pool: Pool | None = None, ship: ShipSource | None = None,
+    pool: Pool | None = None, ship: ShipSource | None = None, fixed: Mapping[str, float] | None = None,
 ) -> Fit:  # fmt: skip
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
-    Raises an InputError where an option is unknown, a table has no ship, the tests are of several conditions, or a
-    rudder moves that no term has.
+    Raises an InputError for an unknown option, a table without a ship, several conditions, or a rudder without terms.
 
     Parameters
     ----------
@@ -61,8 +61,7 @@ def identify(
     terms : TermTable or str
         The terms, their bounds and ties, or the name of a table that comes with the package.
     balance : str
-        ``tests``: each test counts alike, a static run of one averaged row as much as a harmonic one of thousands;
-        ``rows``: each row does, as in the paper.
+        ``tests``: each test counts alike, static or harmonic; ``rows``: each row does, as in the paper.
     accelerations : str
         ``checked``: those of a periodic or straight motion, with a note, where the measured ones stray from it;
         ``motion``: wherever the motion gives them; ``measured``: never.
@@ -71,10 +70,11 @@ def identify(
     pass_over : sequence of str
         Actuators that may move while no term has them: ``rudder``.
     pool : str, optional
-        ``depth``: tests at several depths together, with hull coefficients of their own at each and one bank; ``notes``
-        say whether it changes with depth.
+        ``depth``: tests at several depths together, with hull coefficients for each and one bank.
     ship : str, Path, Configuration or mapping, optional
         Ship of a table that was not read yet, as of ``read_captive``.
+    fixed : mapping of str to float, optional
+        Values of coefficients that are not fitted, each in its own SI unit: ``{"b_bank": 0.0}``.
 
     Examples
     --------
@@ -88,6 +88,7 @@ def identify(
     terms = table_named(terms) if isinstance(terms, str) else terms
     if not isinstance(terms, TermTable):
         raise InputError(f"terms = {shown(terms)} is no table of terms; give one, or the name of one")
+    terms = terms.with_fixed(fixed or {})
     if pool is not None:
         check_choice("pool", pool, get_args(Pool))
         terms = pooled(terms, depths_of(tests))
@@ -195,9 +196,13 @@ class Comparison(BaseResult):
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(self.fits)}>"
 
-    def best(self, force: str) -> str:
-        """Return the table with the smallest error of a ``force`` on tests left out."""
-        return min((fit.left_out[force].rmse, name) for name, fit in self.fits.items() if force in fit.left_out)[1]
+    @property
+    def best(self) -> dict[str, str]:
+        """The table with the smallest error on tests left out, by force."""
+        found = {
+            f: [(fit.left_out[f].rmse, n) for n, fit in self.fits.items() if f in fit.left_out] for f in self.forces
+        }
+        return Named({force: min(errors)[1] for force, errors in found.items()})
 
     @property
     def forces(self) -> tuple[str, ...]:
@@ -212,7 +217,7 @@ class Comparison(BaseResult):
     def summary(self) -> str:
         (first, reference), sentences = next(iter(self.fits.items())), []
         for force in self.forces:
-            best = self.best(force)
+            best = self.best[force]
             other = reference.left_out.get(force) if best != first else None
             against = f"; {first}: {other.rmse:.3g}" if other else ""
             error = f"{self.fits[best].left_out[force].rmse:.3g} {FORCES[force].unit}{against}"
@@ -379,8 +384,7 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     model : Model
         The model; its terms are fitted to the tests too.
     tests, tables, ship
-        As in ``compare``: tests of one condition, tables to compare by their errors on left-out tests, and the model's
-        own ship unless given.
+        As in ``compare``: tests of one condition, tables to compare; the model's own ship unless given.
 
     Examples
     --------

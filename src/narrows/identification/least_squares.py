@@ -83,7 +83,7 @@ def bounded_problem(equations: NormalEquations, terms: TermTable) -> Problem:
         bounds[i] = max(bounds[i, 0], term.bound[0]), min(bounds[i, 1], term.bound[1])
     for name, i in slot.items():
         low, high = bounds[i]
-        if not low < high:
+        if not low <= high:
             raise InputError(f"bounds {low:g} to {high:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
     return Problem(slot, scale, bounds, terms, equations.columns)
@@ -128,7 +128,8 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
     root = np.sqrt(values, where=kept, out=np.zeros(len(g)))
     target = np.divide(vectors.T @ g, root, where=kept, out=np.zeros(len(g)))
     with np.errstate(all="ignore"):  # lsq_linear may divide by a step of zero; the result is checked below.
-        found = lsq_linear(root[:, None] * vectors.T, target, (lower, upper), method="bvls", tol=1e-14)
+        above = np.maximum(upper, np.nextafter(lower, np.inf))  # It refuses equal bounds, those of fixed coefficients
+        found = lsq_linear(root[:, None] * vectors.T, target, (lower, above), method="bvls", tol=1e-14)
     # Rounding may leave an active parameter just off its bound: set it to the bound.
     z = np.select([found.active_mask < 0, found.active_mask > 0], [lower, upper], found.x)
     z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))

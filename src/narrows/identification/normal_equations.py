@@ -18,6 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from narrows.base.errors import InputError
+from narrows.base.named_values import Named
 from narrows.captive.columns import check_given
 from narrows.captive.read import Tests
 from narrows.captive.tests import Block
@@ -301,4 +302,4 @@ def score(
         error = np.maximum(sums[:, y, y] - 2 * (own * cross).sum(axis=1) + fitted, 0.0).sum()
         spread = total[y, y] - total[one, y] ** 2 / rows
         scores[force] = Score(float(1 - error / spread) if spread > 0 else float("nan"), float(np.sqrt(error / rows)))
-    return scores
+    return Named(scores)

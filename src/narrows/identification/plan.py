@@ -135,7 +135,8 @@ def plan_tests(
     Parameters
     ----------
     configuration : str, Path, Configuration or mapping
-        Ship, canal and water: a ship file, its configuration, or its sections as mappings.
+        Ship, canal and water: a ship file, its configuration, its sections as mappings, or a model; or earlier tests,
+        to which the plan adds runs.
     runs : int
         Number of runs.
     tank : Tank, optional
@@ -160,6 +161,7 @@ def plan_tests(
     """
     tank = tank or Tank()
     _check(runs, terms, noise, tank)
+    after = configuration if after is None and hasattr(configuration, "blocks") else after
     configuration = ship_from(configuration, terms.actuators)
     names, errors = _targets(terms, targets), errors or RunErrors()
     tables = _forms(terms)

@@ -10,7 +10,8 @@ import pandas as pd
 from scipy import special
 
 from narrows.base.errors import InputError, shown
-from narrows.base.results import Aliased, BaseResult, Named
+from narrows.base.named_values import Named
+from narrows.base.results import Aliased, BaseResult
 from narrows.identification.least_squares import free_parameters
 from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
-from narrows.base.results import Coefficients
+from narrows.base.named_values import Coefficients
 from narrows.model import additions
 from narrows.model.froude import DerivedModel
 from narrows.model.model import Model

@@ -8,7 +8,8 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
-from narrows.base.results import BaseResult, Coefficients
+from narrows.base.named_values import Coefficients
+from narrows.base.results import BaseResult
 from narrows.model.data_range import MEASURES, DataRange, extrapolation
 from narrows.model.model import Model
 from narrows.model.term import ScaleEffect

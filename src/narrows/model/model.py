@@ -13,7 +13,8 @@ import numpy as np
 import narrows
 from narrows.base.aliases import CANAL, accept_aliases
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
-from narrows.base.results import BaseResult, Coefficients, Forces
+from narrows.base.named_values import Coefficients, Forces
+from narrows.base.results import BaseResult
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.model.tables import without_bank
@@ -182,6 +183,14 @@ class Model(Configured, Operations):
             raise InputError(f"{sizes.pop()} is a size of the canal, no coefficient; write {to_depth}")
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
+
+    def sample(self, n: int = 100, seed: int = 0) -> "list[Model]":
+        """Return ``n`` models with coefficients drawn from their covariance, as ensembles draw them from a ``seed``.
+
+        Raises an InputError if the model has no covariance.
+        """
+        drawn = narrows.simulation.grid.sampled(self, n, seed)
+        return [self.with_coefficients({name: float(of[i]) for name, of in drawn.items()}) for i in range(n)]
 
     @accept_aliases
     def forces(

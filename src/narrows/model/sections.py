@@ -14,7 +14,7 @@ import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, shown
 from narrows.base.files import form_of, write_whole
-from narrows.base.results import Coefficients
+from narrows.base.named_values import Coefficients
 from narrows.model.data_range import DataRange, Range
 from narrows.model.tables import table_named
 from narrows.model.term import TermTable

@@ -8,11 +8,12 @@ from functools import cached_property
 from keyword import iskeyword
 from typing import TYPE_CHECKING
 
-from narrows.base.errors import InputError, did_you_mean, shown
+from narrows.base.errors import InputError, check_choice, did_you_mean, shown
 from narrows.base.results import BaseSummary
 from narrows.physics import squat_and_depth
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Dimension, Number, Quantity, argument_names
 from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
+from narrows.ship.checks import is_finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -282,6 +283,16 @@ class TermTable(BaseSummary):
         pairs = (*self.surge, *surge), (*self.sway, *sway), (*self.yaw, *yaw)
         of_x, of_y, of_n = (tuple({one.name: one for one in terms}.values()) for terms in pairs)
         return replace(self, name=name, surge=of_x, sway=of_y, yaw=of_n)
+
+    def with_fixed(self, values: Mapping[str, float]) -> "TermTable":
+        """Return the table with some coefficients at ``values``, which a fit keeps; an InputError for another name."""
+        for name, value in values.items():
+            check_choice("fixed", name, self.names)
+            if not is_finite(value):
+                raise InputError(f"fixed: {name} = {shown(value)} is no finite number; give its value")
+        fixed = {n: replace(self[n], bound=(float(value), float(value))) for n, value in values.items()}
+        surge, sway, yaw = (tuple(fixed.get(one.name, one) for one in terms) for terms in self.forces.values())
+        return replace(self, surge=surge, sway=sway, yaw=yaw)
 
 
 def without(table: TermTable, name: str, leave: Callable[[Term], bool]) -> TermTable:

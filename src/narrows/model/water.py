@@ -153,7 +153,9 @@ def configuration_of(ship: Configured | Configuration) -> Configuration:
 
 
 @accept_aliases
-def squat(ship: Configured | Configuration, u: Number, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
+def squat(
+    ship: Configured | Configuration, u: Number, gives: Sinkage | None = None, formula: str | None = None
+) -> Squat:
     """Estimate the sinkage of a ship at a speed.
 
     It uses the first formula of ``SQUAT`` that gives the requested sinkage and is valid here; if none is valid, the
@@ -169,8 +171,8 @@ def squat(ship: Configured | Configuration, u: Number, gives: Sinkage = "midship
         Ship and canal; the depth must be given.
     u : float or array [m/s]
         Speed through the water, or several.
-    gives : str
-        ``midship``, ``bow`` or ``largest``.
+    gives : str, optional
+        ``midship``, ``bow`` or ``largest``; that of the formula, or midship, unless given.
     formula : str, optional
         Formula to use instead.
 
@@ -179,34 +181,35 @@ def squat(ship: Configured | Configuration, u: Number, gives: Sinkage = "midship
     >>> print(nw.squat(kcs, u=5.0).summary())
     The midship sinkage is 0.249 m by continuity; the canal chokes at 8.6 m/s.
     """
-    check_choice("gives", gives, GIVES)
     if formula is not None:
         check_choice("formula", formula, SQUAT)
-    if formula is not None and SQUAT[formula].gives != gives:
+    kind: str = gives or (SQUAT[formula].gives if formula else "midship")
+    check_choice("gives", kind, GIVES)
+    if formula is not None and SQUAT[formula].gives != kind:
         remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
-        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
+        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {kind} one; {remedy}")
     configuration, critical = configuration_of(ship), choke_speed(ship)
     if np.ndim(u) and np.size(u):
         each = [squat(ship, one, gives, formula) for one in np.ravel(u)]
         used = " or ".join(dict.fromkeys(one.formula for one in each))
         notes = tuple(dict.fromkeys(note for one in each for note in one.notes))
         sinkages = np.reshape([one.sinkage for one in each], np.shape(u))
-        return Squat(sinkages, used, gives, critical, notes, (configuration, np.asarray(u)))
+        return Squat(sinkages, used, kind, critical, notes, (configuration, np.asarray(u)))
     if not is_finite(u):
         raise InputError(f"u = {shown(u)} is no speed in m/s; give a number or several")
     if not 0 <= u < critical:
         raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
-    offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
+    offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == kind]
     holding = [name for name in offered if not limits_left(SQUAT[name], configuration, u)]
     name = (holding or offered)[0]
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
     notes = (*doubts, *limits_left(chosen, configuration, u))
     sinkage = sinkage_by(chosen, configuration, u)
-    if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
+    if formula is None and (narrow := float(_of_voyages(configuration, u)[kind])) > sinkage:
         less = f"{name} gives less"
-        return Squat(narrow, "continuity", gives, critical, (less,), (configuration, u))
-    return Squat(sinkage, name, gives, critical, notes, (configuration, u))
+        return Squat(narrow, "continuity", kind, critical, (less,), (configuration, u))
+    return Squat(sinkage, name, kind, critical, notes, (configuration, u))
 
 
 def _of_voyages(configuration: Configuration, speed: float) -> dict[str, Number]:

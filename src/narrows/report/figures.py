@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from narrows.base.errors import InputError, check_choice, shown
 from narrows.base.files import save_figure
@@ -27,16 +28,57 @@ from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 
 
-def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
+def figure_of(result: Any, axes: Any = None, **style: Any) -> Figure:
+    frame = result.to_dataframe() if hasattr(result, "to_dataframe") else None
+    if isinstance(axes, list | tuple) or (isinstance(axes, str) and frame is not None and axes in frame):
+        style, axes = {"y": axes, **style}, None
     if isinstance(axes, str | Path):
-        figure = figure_of(result)
+        figure = figure_of(result, **style)
         save_figure(figure, axes)
         return figure
+    axes = axes.axes[0] if isinstance(axes, Figure) and axes.axes else axes
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes, or a path")
+    of_table = {name: style.pop(name) for name in ("x", "y") if name in style}
+    own = {name: value for name, value in style.items() if name not in ("title", "figsize")}
+    for name in own:
+        if not hasattr(Line2D, f"set_{name}"):
+            raise InputError(f"plot has no argument {name!r}; {NO_STYLE}")
+    known = len(axes.lines) if axes is not None else 0
     with drawing_on(axes):
         kinds = (kind.__name__ for kind in type(result).__mro__)
-        return next((FIGURES[kind] for kind in kinds if kind in FIGURES), table_figure)(result)
+        draw = next((FIGURES[kind] for kind in kinds if kind in FIGURES), table_figure)
+        figure = columns_figure(frame, **of_table) if of_table and frame is not None else draw(result)
+    panel = figure.axes[0] if axes is None else axes
+    if own and (drawn := panel.lines[known:]):
+        max(drawn, key=lambda line: len(line.get_xdata())).set(**own)
+        if "label" in own:
+            panel.legend()
+    if "title" in style:
+        panel.set_title(style["title"])
+    if "figsize" in style:
+        figure.set_size_inches(style["figsize"])
+    return figure
+
+
+NO_STYLE = (
+    "write ax=..., columns of its table as x=... and y=..., title, figsize, or label and color of its line "
+    "(to_dataframe().plot draws other figures; nw.bank_force(model, y, u) has the numbers at a speed)"
+)
+
+
+def columns_figure(frame: Any, y: Any = None, x: str | None = None) -> Figure:
+    """Draw columns of a table, a panel for each."""
+    frame = frame.reset_index()
+    names = [y] if isinstance(y, str) else [name for name in y or frame.select_dtypes("number") if name != x]
+    for name in (*names, *filter(None, [x])):
+        check_choice("column", name, frame.columns)
+    figure, axes = panels(len(names), 1, 1.0 + 1.4 * len(names), sharex=True)
+    for panel, name in zip(axes[:, 0], names, strict=True):
+        panel.plot(frame[x] if x else frame.index, frame[name], color=BLUE)
+        panel.set_ylabel(name)
+    axes[-1, 0].set_xlabel(x or "row")
+    return figure
 
 
 def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:

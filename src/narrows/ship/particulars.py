@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import pairwise
 from typing import Any
@@ -205,8 +206,10 @@ class Configured:
 
     @property
     def ship(self) -> Ship:
-        """The hull."""
-        return self.configuration.ship
+        """The hull, which is accepted where its canal is needed too."""
+        ship = copy(self.configuration.ship)
+        vars(ship)["_configuration"] = self.configuration
+        return ship
 
     @property
     def canal(self) -> Canal:

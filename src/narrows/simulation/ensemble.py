@@ -264,6 +264,11 @@ class Fleet(AliasedDataset):
         found = super().__getitem__(key)
         return Flags(found) if key in ("outcome", "side") and found.dtype.kind == "i" else found
 
+    def probability(self, kind: str = "grounded") -> xr.DataArray:
+        """Return the share of samples that end in this ``kind``; of all voyages where none are drawn."""
+        ends = (self.outcome == kind).drop_attrs().rename("probability")
+        return ends.mean("sample" if "sample" in self.dims else None)
+
     def summary(self) -> str:
         """Return how many ground, on which side, and the nearest, in words."""
         return str(map_summary(self)["summary"])

@@ -188,9 +188,9 @@ def sail_trials(
         Step; default: a hundred and twentieth of the time for a ship length.
     """
     ship = TrialShip.of(model, speed, dt)
-    ship.check(rudder=turn_deg)
+    ship.in_radians(rudder=turn_deg)
     for rudder, heading in zigzags:
-        ship.check(rudder=rudder, heading=heading)
+        ship.in_radians(rudder=rudder, heading=heading)
     turning = {f"{angle:+g}": ship.turn(angle) for angle in (turn_deg, -turn_deg)}
     pairs = [(sign * rudder, heading) for rudder, heading in zigzags for sign in (1, -1)]
     tacking = {f"{rudder:+g}/{heading:g}": ship.zigzag(rudder, heading) for rudder, heading in pairs}
@@ -229,23 +229,26 @@ class TrialShip:
             notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
         return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes), duration)
 
-    def check(self, **angles: float) -> None:
-        limit = self.model.configuration.gear.limit_deg
+    def in_radians(self, **angles: float) -> tuple[list[float], tuple[str, ...]]:
+        """Return angles in radians, and notes on those that are too small to turn a ship unless they are in radians."""
+        limit, notes, found = self.model.configuration.gear.limit_deg, list(self.notes), []
         for name, angle in finite_numbers(**angles).items():
-            if name == "rudder" and not 0 < abs(angle) <= limit:
-                raise InputError(f"a rudder of {angle:g} degrees: choose one over 0, up to the gear's {limit:g}")
             if 0 < abs(angle) < LEAST_DEG:
-                raise InputError(f"a {name} of {angle:g} degrees turns no ship; give it in degrees, not in radians")
+                notes.append(f"the {name} of {angle:g} was read in radians, {math.degrees(angle):.4g} degrees")
+                angle = math.degrees(angle)
+            if name == "rudder" and not 0 < abs(angle) <= limit * (1 + 1e-9):
+                raise InputError(f"a rudder of {angle:g} degrees: choose one over 0, up to the gear's {limit:g}")
+            found.append(math.radians(angle))
+        return found, tuple(notes)
 
     def turn(self, rudder: float) -> Turning:
-        self.check(rudder=rudder)
-        return Turning.of(self.sail(ConstantRudder(math.radians(rudder))), self.notes)
+        (angle,), notes = self.in_radians(rudder=rudder)
+        return Turning.of(self.sail(ConstantRudder(angle)), notes)
 
     def zigzag(self, rudder: float, heading: float) -> ZigzagTest:
-        self.check(rudder=rudder, heading=heading)
-        law = Zigzag(math.radians(rudder), math.radians(heading))
-        voyage = self.sail(law)
-        return ZigzagTest(tuple(map(math.degrees, overshoots(voyage, law))), voyage, self.notes)
+        angles, notes = self.in_radians(rudder=rudder, heading=heading)
+        voyage = self.sail(law := Zigzag(*angles))
+        return ZigzagTest(tuple(map(math.degrees, overshoots(voyage, law))), voyage, notes)
 
     def sail(self, law: ControlLaw, lengths: float = LENGTHS) -> Voyage:
         time = lengths * self.model.configuration.ship.length / self.speed if self.duration is None else self.duration

@@ -113,6 +113,16 @@ class Voyage(Tabulated):
         """The last row: t, x, y, psi, u, v, r and rudder at the end."""
         return self.to_dataframe().iloc[-1]
 
+    def at(self, t: Any) -> "pd.Series[float] | pd.DataFrame":
+        """Return the state at a time ``t`` [s], or at several: interpolated linearly, and NaN after its end."""
+        import pandas as pd
+
+        rows = self.to_dataframe().set_index("t")
+        frame = pd.DataFrame(
+            {name: np.interp(t, rows.index, column, np.nan, np.nan) for name, column in rows.items()}, np.atleast_1d(t)
+        )
+        return frame.iloc[0] if np.ndim(t) == 0 else frame.rename_axis("t")
+
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""
         import xarray
