@@ -51,7 +51,7 @@ def figure_of(result: Any, axes: Any = None, **style: Any) -> Figure:
         figure = columns_figure(frame, **of_table) if of_table and frame is not None else draw(result)
     panel = figure.axes[0] if axes is None else axes
     if own and (drawn := panel.lines[known:]):
-        max(drawn, key=lambda line: len(line.get_xdata())).set(**own)
+        max(drawn, key=lambda line: np.size(line.get_xdata())).set(**own)
         if "label" in own:
             panel.legend()
     if "title" in style:

@@ -25,9 +25,9 @@ def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configu
         return source if isinstance(source, Configuration) else source.configuration
     if isinstance(source, Mapping):
         return configuration_from(source, "ship", actuators)
-    if isinstance(source, Ship) and (known := vars(source).get("_configuration")):
-        return known
     if isinstance(source, Ship):
+        if isinstance(whole := vars(source).get("_configuration"), Configuration):
+            return whole
         known = "tests.configuration, model.configuration or nw.Configuration(ship, nw.Canal(width))"
         raise InputError(f"ship is a Ship without a canal; give {known} [m]")
     return read_ship(path_of("ship", source), actuators)
