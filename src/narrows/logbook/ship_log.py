@@ -229,8 +229,12 @@ class ShipLog(BaseResult):
         return f"{size} together{where}, with {', '.join(self.counts) or 'no signal'}."
 
     def to_dict(self) -> dict[str, Any]:
-        values = {own.name: {name: len(own[name]) for name in own} for own in self.records}
-        return {"summary": self.summary(), "records": values, "notes": list(self.notes)}
+        records = {
+            own.name: {"antenna": list(own.antenna), "condition": dict(own.condition),
+                       "values": {name: len(own[name]) for name in own}}
+            for own in self.records
+        }  # fmt: skip
+        return {"summary": self.summary(), "records": records, "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the rows as a table that ``read_log`` reads again: record, t, and a column for each signal."""
