@@ -129,7 +129,8 @@ class Units:
 
 
 NOT_SCALED = {
-    ScaleEffect.FRICTION: "The friction in {} does not follow Froude's law: a ship has less than this.",
+    ScaleEffect.FRICTION: "The friction in {} does not follow Froude's law: a ship has less than this (give its own by "
+    "with_coefficients).",
     ScaleEffect.CROSSFLOW_DRAG: "The drag of crossflow in {} depends on the Reynolds number, which differs.",
     ScaleEffect.WAKE: "A ship's wake is thinner than its model's, and its propeller is loaded less; neither is "
     "corrected here.",

@@ -145,10 +145,6 @@ def save_model(model: "narrows.Model", path: str | Path) -> None:
         The model.
     path : str or Path
         Output file.
-
-    Examples
-    --------
-    >>> nw.save_model(model, "dtc.toml")
     """
     form_of(path, (".toml",))
     write_whole(path, to_toml(model.to_dict()))
