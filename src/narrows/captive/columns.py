@@ -150,6 +150,9 @@ def begun(header: str) -> str:
 def draft_columns(frame: pd.DataFrame, table: str, command: str) -> str:
     """Draft ``columns.toml`` for a table whose headers are not all recognised, by their words; empty without any."""
     documented = {str(header): quantity_of(str(header), Vocabulary(COLUMNS, LABELS)) for header in frame.columns}
+    for header in documented:
+        if (unit := split_header(header)[1]) and unit_named(unit) is None:
+            documented[header] = ""
     unread = [header for header, name in documented.items() if not name]
     columns, units = dict[str, str](), dict[str, str]()
     # Synonyms come before guesses, in which each word begins one of a synonym.
