@@ -38,14 +38,6 @@ def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
     return np.stack([east, north - _foot(origin)], axis=1)
 
 
-def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Return longitude and latitude [deg] of metres east and north of an origin, longitude from -180 to 180."""
-    # points (n, 2) [m]; origin (2,) [deg]
-    latitude, turn = _inverse(points[:, 1] + _foot(origin), points[:, 0])
-    with np.errstate(invalid="ignore"):  # no place on earth
-        return np.stack([(origin[0] + np.degrees(turn) + 180) % 360 - 180, np.degrees(latitude)], axis=1)
-
-
 # Transverse Mercator by Krueger's series to the sixth order of the third flattening n, after C. F. F. Karney,
 # Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eq. 7 to 11 and 35;
 # its inverse by fixed points, each round of which gains 2.8 digits near the meridian and 2.2 of the latitude.
@@ -86,18 +78,18 @@ def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 @np.errstate(all="ignore")
-def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Latitude and longitude from the meridian [rad]; infinite where undefined, NaN stays NaN."""
-    zeta, beyond = (north + 1j * east) / _RADIUS, np.abs(east) > WIDEST * _RADIUS
-    sphere = zeta
+def unprojected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Return longitude and latitude [deg] of metres east and north of an origin, longitude from -180 to 180."""
+    # points (n, 2) [m]; origin (2,) [deg]
+    zeta = sphere = (points[:, 1] + _foot(origin) + 1j * points[:, 0]) / _RADIUS
     for _ in range(SERIES_ROUNDS):
         sphere = zeta - _waves(sphere)
-    conformal = np.arcsinh(np.sin(sphere.real) / np.hypot(np.sinh(sphere.imag), np.cos(sphere.real)))
-    isometric = conformal
+    conformal = isometric = np.arcsinh(np.sin(sphere.real) / np.hypot(np.sinh(sphere.imag), np.cos(sphere.real)))
     for _ in range(LATITUDE_ROUNDS):
         isometric = conformal + _E * np.arctanh(_E * np.tanh(isometric))
-    turn = np.arctan2(np.sinh(sphere.imag), np.cos(sphere.real))
-    return np.where(beyond, np.inf, np.arctan(np.sinh(isometric))), np.where(beyond, np.inf, turn)
+    turn = np.degrees(np.arctan2(np.sinh(sphere.imag), np.cos(sphere.real)))
+    place = np.stack([(origin[0] + turn + 180) % 360 - 180, np.degrees(np.arctan(np.sinh(isometric)))], axis=1)
+    return np.where(np.abs(points[:, :1]) > WIDEST * _RADIUS, [np.nan, np.inf], place)
 
 
 ROLES = ("centreline", "starboard", "port")
