@@ -37,7 +37,7 @@ CANNOT_INTEGRATE = (
     "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
 )
 
-# Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
+# Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end.
 PLAIN = (event, bank_clearance, single)
 
 
