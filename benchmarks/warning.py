@@ -45,7 +45,7 @@ def median(work: Callable[[], object], count: int) -> float:
     return float(np.median(times[1:]))
 
 
-def forecasting(model: nw.Model, waterway: nw.Waterway | None, members: int, count: int) -> float:
+def forecasting(model: nw.Model, waterway: nw.Waterway, members: int, count: int) -> float:
     """A forecast [s]."""
     estimator = Estimator(model, SENSORS, waterway=waterway)
     estimate, one = known(estimator), Forecaster(estimator, members=members)
@@ -85,7 +85,8 @@ def main() -> None:
         ("forecast in a bend", bent, f"{members} members, banks: polygons"),
     ]
     if not small:
-        rows.append(("forecast, straight canal", forecasting(model, None, members, count), f"{members} members"))
+        straight = forecasting(model, nw.straight_waterway(model.canal, 5000.0), members, count)
+        rows.append(("forecast, straight canal", straight, f"{members} members"))
     show(f"Forecasts, {count} of them", rows, "ms", 1e3)
 
 

@@ -98,7 +98,7 @@ def burst(count: int) -> tuple[str, str]:
             yield Piece(b"")
 
     start = time.monotonic()
-    with Listening([Connection("burst", False, opened)]) as listening:
+    with Listening([Connection(False, opened)]) as listening:
         while not listening._lines:
             time.sleep(0.001)
         took = time.monotonic() - start

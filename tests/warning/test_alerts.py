@@ -22,8 +22,6 @@ from narrows.warning import settings as numbers
 from narrows.warning.alerts.alert import (
     BANKS,
     CALM,
-    LOG_LATE,
-    NO_FORECAST,
     SENSORS,
     Alert,
     AlertCommand,
@@ -34,7 +32,6 @@ from narrows.warning.alerts.alert import (
     Command,
     Condition,
     Priority,
-    Situation,
     command_of,
     level_of,
     logged,
@@ -157,17 +154,6 @@ def test_what_was_never_acknowledged_waits_for_it_as_a_caution_too() -> None:
         desk.update(float(t), {BANK: Condition(priority, "text")})
     assert desk[BANK].state is AlertState.UNACKNOWLEDGED
     assert not desk[BANK].sounds
-
-
-@pytest.mark.parametrize(("hazard", "taken"), [(BANK, False), (LOG_LATE, True), (NO_FORECAST, True)])
-def test_another_system_takes_over_what_needs_no_picture(hazard: Situation, taken: bool) -> None:
-    """IEC 62923-1: an alert of category A stays where its picture is."""
-    desk = AlertDesk()
-    (raised,) = desk.update(0.0, {hazard: Condition(Priority.WARNING, "text")})
-    assert (desk.command(1.0, hazard.identifier, raised.instance, Command.TRANSFER) is not None) is taken
-    assert (desk[hazard].state is AlertState.TRANSFERRED) is taken
-    desk.update(2.0, {hazard: CALM})
-    assert desk[hazard].state is (AlertState.NORMAL if taken else AlertState.RECTIFIED)
 
 
 def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:

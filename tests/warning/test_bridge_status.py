@@ -23,7 +23,6 @@ from narrows.warning.alerts.alert import (
     AlertDesk,
     AlertState,
     BankLevel,
-    Command,
     Condition,
     Priority,
     command_of,
@@ -231,16 +230,6 @@ def test_no_score_has_no_median_and_no_rate() -> None:
     scores = score_transits({})
     assert (scores.contacts, scores.clear, scores.hours) == (0, 0, 0.0)
     assert np.isnan(scores.table["false"]).all()
-
-
-@pytest.mark.parametrize(
-    ("priority", "taken"), [(Priority.CAUTION, False), (Priority.WARNING, True), (Priority.ALARM, False)]
-)
-def test_alarms_and_what_is_acknowledged_are_taken_over_by_nobody(priority: Priority, taken: bool) -> None:
-    """A caution is born acknowledged; an alarm of any category stays."""
-    desk = AlertDesk()
-    (raised,) = desk.update(0.0, {NO_FORECAST: Condition(priority, "text")})
-    assert (desk.command(1.0, NO_FORECAST.identifier, raised.instance, Command.TRANSFER) is not None) is taken
 
 
 def test_revisions_count_to_99_and_begin_again_at_1() -> None:

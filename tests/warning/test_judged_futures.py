@@ -7,9 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy.stats import expon
-from transit import SENSORS, estimate, estimator, ship
+from transit import estimate, estimator, ship
 
-from narrows.estimation import Estimator
 from narrows.estimation.states import StateNames
 from narrows.warning.forecasting.forecaster import Forecaster, crossing, escapes, judged
 from narrows.warning.forecasting.helmsman import KICK, STEADY, Case, FutureLanes, Helmsmen, Outcomes, Ships
@@ -136,11 +135,9 @@ def test_the_first_order_of_an_escape_by_hand(one: Forecaster) -> None:
     assert one.order({**still, "u": 0.05, "r": 1e-5}) == pytest.approx(-690 * 1e-5 / 0.1)
 
 
-@pytest.mark.parametrize("water", [True, False])
-def test_the_least_water_of_a_track_is_that_beside_its_corners(water: bool) -> None:
+def test_the_least_water_of_a_track_is_that_beside_its_corners() -> None:
     """150 m to a bank, less the offset, and half of length x sin + beam x cos."""
-    one = Forecaster(estimator() if water else Estimator(ship(), SENSORS), members=2, escaping=2)
-    beam, half = ship().configuration.ship.beam, 150.0 if water else ship().configuration.canal.width / 2
+    one, half, beam = Forecaster(estimator(), members=2, escaping=2), 150.0, ship().configuration.ship.beam
     track = np.array([[500.0, 10.0, 0.0], [600.0, -40.0, 0.1], [700.0, 20.0, -0.05]])
     expected = half - 40.0 - (230.0 * math.sin(0.1) + beam * math.cos(0.1)) / 2
     assert one._least_water(track) == pytest.approx(expected, rel=1e-6)
@@ -182,14 +179,13 @@ def test_the_current_of_a_lane_is_that_where_the_flow_is_1() -> None:
     water = SimpleNamespace(reference_current=0.2, flow=lambda x: np.array([0.5, -0.5, 0.05, 0.1]))
     here = {"x": np.zeros(4), "current": np.full(4, 0.3), "current_across": np.full(4, 0.07)}
 
-    def currents(columns: dict[str, np.ndarray], water: object = water) -> dict[str, object]:
+    def currents(columns: dict[str, np.ndarray]) -> dict[str, object]:
         return FutureLanes._currents(SimpleNamespace(waterway=water), columns)  # type: ignore[arg-type]
 
     found = currents(here)
     np.testing.assert_allclose(found["current"], [0.6, -0.6, 0.2, 3.0])
     np.testing.assert_array_equal(found["current_across"], np.full(4, 0.07))
     assert currents({"x": np.zeros(4)}) == {"current_across": 0.0, "current": 0.2}
-    assert currents({"x": np.zeros(4)}, None) == {"current_across": 0.0}
 
 
 def test_each_future_has_the_numbers_of_its_law() -> None:

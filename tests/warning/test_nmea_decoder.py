@@ -205,7 +205,7 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
             yield Piece(b"")
 
     flood = threading.Event()
-    with Listening([Connection("burst", False, opened)]) as listening:
+    with Listening([Connection(False, opened)]) as listening:
         told, start = listening.ticks(), time.monotonic()
         first = [next(told), next(told)]
         assert time.monotonic() - start < 4.0

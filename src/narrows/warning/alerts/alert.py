@@ -50,7 +50,6 @@ class AlertState(Enum):
     UNACKNOWLEDGED = "unacknowledged"
     SILENCED = "silenced"
     ACKNOWLEDGED = "acknowledged"
-    TRANSFERRED = "responsibility transferred"
     RECTIFIED = "rectified, unacknowledged"
 
 
@@ -59,16 +58,14 @@ class Command(Enum):
 
     ACKNOWLEDGE = "A"
     REPEAT = "Q"
-    TRANSFER = "O"
+    TRANSFER = "O"  # Of responsibility to another system: refused
     SILENCE = "S"
 
 
 MAKER = "NRW"  # Manufacturer's code in the sentences
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 # States in which the condition holds.
-HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
-# States that wait for nobody: an alert whose condition ends in them is over.
-ANSWERED = (AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
+HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED)
 # States that wait for an acknowledgement, the last one without its condition.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
@@ -77,7 +74,7 @@ WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 class Alert:
     identifier: int  # Number of the situation
     priority: Priority = Priority.NONE  # Urgency; for a rectified alert the former urgency
-    state: AlertState = AlertState.NORMAL  # Acknowledged, silenced, transferred ...
+    state: AlertState = AlertState.NORMAL  # Acknowledged, silenced ...
     text: str = ""  # A sentence
     changed: float = 0.0  # When priority, state or the number of repeats last changed [s]
     instance: int = 0  # Count of occurrences of the situation
@@ -104,7 +101,7 @@ class Alert:
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
         if priority is Priority.NONE:
-            rectified = AlertState.NORMAL if self.state in ANSWERED else AlertState.RECTIFIED
+            rectified = AlertState.NORMAL if self.state is AlertState.ACKNOWLEDGED else AlertState.RECTIFIED
             return self._changed(t, rectified) if self.holds else self
         if self.holds and priority == self.priority:
             return replace(self, text=text)
@@ -112,7 +109,7 @@ class Alert:
         # A caution needs no acknowledgement, an acknowledged alert of lower priority no second one;
         # an unacknowledged alert waits at any priority.
         waits = self.state in WAITING or priority > Priority.CAUTION
-        answered = self.state in ANSWERED and priority < self.priority
+        answered = self.state is AlertState.ACKNOWLEDGED and priority < self.priority
         state = AlertState.UNACKNOWLEDGED if waits and not answered else AlertState.ACKNOWLEDGED
         return replace(self, instance=instance)._changed(t, state, priority=priority, text=text, repeats=0)
 
@@ -124,9 +121,6 @@ class Alert:
             after = AlertState.NORMAL if self.state is AlertState.RECTIFIED else AlertState.ACKNOWLEDGED
         elif command is Command.SILENCE and self.sounds:
             after = AlertState.SILENCED
-        # Alerts judged by their picture (category A) stay where the picture is, and so do alarms.
-        elif command is Command.TRANSFER and self.category == "B" and self.priority < Priority.ALARM:
-            after = AlertState.TRANSFERRED if self.state in WAITING[:2] else None
         return after and self._changed(t, after)
 
     def timed(self, t: float) -> "Alert":

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from narrows.control.steady_course import RUDDER, local_water, steady_courses
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.states import Estimate
 from narrows.quantities.names import GRAVITY
-from narrows.ship.particulars import half_swept
+from narrows.ship.particulars import Ship, half_swept
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
 from narrows.warning.forecasting.helmsman import (
@@ -31,9 +31,7 @@ from narrows.warning.forecasting.helmsman import (
     Ships,
     escape_numbers,
 )
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Waterway
 
 # [s] a whole number of steps, as all times of the cases are.
 EVEN = 5.0
@@ -181,6 +179,8 @@ class Forecaster:
         self.filter, self.line, self.ships = estimator.filter, line, ships
         if RUDDER not in self.filter.actuators:
             raise InputError("this model has no terms of a rudder, so nobody can take over; give one with a rudder")
+        assert self.filter.waterway is not None
+        self.waterway = self.filter.waterway
         self.manoeuvres = (STEADY, KICK) if REVOLUTIONS in self.filter.actuators else (STEADY,)
         # Standard normal numbers of the samples of a block, (samples, n): they stay the same, so that from one forecast
         # to the next only the posterior changes. Half of them mirror the other half; the most likely ship has zeros.
@@ -211,10 +211,9 @@ class Forecaster:
         return self.laid_out(FutureBlock(fan, FAN_MEMBERS), FutureBlock([*own, *saved], 1))
 
     def laid_out(self, *blocks: FutureBlock) -> FutureLanes:
-        model, waterway = self.filter.model, self.filter.waterway
-        ship = model.configuration.ship
+        ship, waterway = self.filter.model.configuration.ship, self.waterway
         step = EVEN / math.ceil(EVEN * settings.STEPS_A_PERIOD / math.sqrt(ship.length / GRAVITY) - 0.5)
-        if waterway is not None and waterway.step is None:
+        if waterway.step is None:
             waterway = replace(waterway, step=ship.beam)  # Contact to some hundredths of the beam, in less time.
         return FutureLanes(self.filter.ship, waterway, self.line, blocks, step)
 
@@ -232,7 +231,7 @@ class Forecaster:
         fan, ends = lanes.poses()
         first = count * (1 + best)
         tracks = Tracks(TIMES, fan.swapaxes(0, 1), ends[:count, 0], ends[first : first + count, 0])
-        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
+        needed = rudder_needed(self.filter.ship, self.waterway, now, positions)
         escape = Escape(self.manoeuvres[best].words, self.order(now), limit, self._least_water(tracks.escape))
         side = "starboard" if seen.side[0] > 0 else "port" if seen.side[0] < 0 else ""
         likely = LikelyRun(float(seen.contact[0]), side, float(seen.likely_chance[0]))
@@ -253,8 +252,7 @@ class Forecaster:
 
     def order(self, now: Mapping[str, float]) -> float:
         """Return the first rudder angle of an escape [rad]."""
-        waterway = self.filter.waterway
-        water = local_water(self.filter.model, waterway, 0.0 if waterway is None else now["x"])
+        water = local_water(self.filter.model, self.waterway, now["x"])
         hull, limit = self.filter.model.configuration.ship, self.filter.model.configuration.gear.limit
         numbers = escape_numbers(self.line, hull.length, limit)
         course = float(np.clip((self.line - now["y"]) * numbers["reach"], -numbers["approach"], numbers["approach"]))
@@ -266,14 +264,8 @@ class Forecaster:
         """Least water beside the hull on a track [m]; none left where it ends in a bank."""
         if not np.isfinite(track).all():
             return 0.0
-        x, y, psi = track.T
-        ship, waterway = self.filter.model.configuration.ship, self.filter.waterway
-        if waterway is None:
-            middle, width = np.zeros(1), np.full(1, self.filter.model.configuration.canal.width)
-        else:
-            here = waterway.section(np.clip(x, 0.0, waterway.line.length), ship.draft)
-            middle, width = here.middle, here.width
-        return max(float((width / 2 - np.abs(y - middle) - half_swept(ship, psi)).min()), 0.0)
+        (x, y, psi), ship = track.T, self.filter.model.configuration.ship
+        return max(float(water_beside(ship, self.waterway, x, y, half_swept(ship, psi)).min()), 0.0)
 
     def sampled(
         self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray, rudder: np.ndarray, law: Mapping[str, np.ndarray]
@@ -349,12 +341,19 @@ def crossing(times: np.ndarray, share: np.ndarray, limit: float) -> np.ndarray:
     return np.where(over[:, 0], -1.0, np.where(over.any(axis=1), when, np.inf))
 
 
+def water_beside(ship: Ship, waterway: Waterway, x: Any, y: Any, half: Any) -> np.ndarray:
+    """Return the water to port and starboard [m] of a hull that reaches ``half`` to either side, at keel depth."""
+    here = waterway.section(np.clip(x, 0.0, waterway.line.length), ship.draft)
+    room, off = here.width / 2 - half, y - here.middle
+    return np.array([room + off, room - off])
+
+
 def rudder_needed(
-    ship: SimulatedShip, waterway: "Waterway | None", at: Mapping[str, float], positions: Mapping[str, float]
+    ship: SimulatedShip, waterway: Waterway, at: Mapping[str, float], positions: Mapping[str, float]
 ) -> float:
     """Return the rudder of the steady course here, the bank as strong as estimated [rad]; infinite without one."""
     model = ship.model
-    water = local_water(model, waterway, at["x"] if waterway is not None else 0.0)
+    water = local_water(model, waterway, at["x"])
     if abs(at["y"] - water.middle) >= (water.width - model.configuration.ship.beam) / 2 or not at["u"] > 0.0:
         return math.inf
     bank = at.get("bank", 1.0)

@@ -12,7 +12,7 @@ import math
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,9 +26,7 @@ from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import CURRENT, PARAMETER, SimulatedShip, steering_of
 from narrows.warning import settings
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Waterway
 
 
 class Helmsmen:
@@ -200,7 +198,7 @@ class Outcomes(NamedTuple):
 
 class FutureLanes:
     def __init__(
-        self, ship: SimulatedShip, waterway: "Waterway | None", line: float, blocks: Sequence[FutureBlock], step: float
+        self, ship: SimulatedShip, waterway: Waterway, line: float, blocks: Sequence[FutureBlock], step: float
     ) -> None:
         self.ship, self.waterway, self.blocks, self.line = ship, waterway, blocks, line
         self._driven = any(actuator.name == REVOLUTIONS for actuator in ship.actuators)
@@ -214,7 +212,7 @@ class FutureLanes:
         still = dict.fromkeys((*START, *FORCES, CURRENT_ACROSS), 0.0)
         self._prepared = run.prepared({**still, "u": 1.0, **many}, lanes, workers=1)
         self._prepared.limits[0] = settings.CONTACT_TOLERANCE * ship.model.configuration.ship.beam
-        self._constants = ship.system(waterway is not None, steering.law).constants
+        self._constants = ship.system(True, steering.law).constants
         self._ship_values = ship.values()
         kernel = self._prepared.kernel
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
@@ -259,14 +257,10 @@ class FutureLanes:
 
     def _currents(self, columns: Mapping[str, np.ndarray]) -> dict[str, Any]:
         """Return the current along the line where its flow is 1, and that across."""
-        currents = {CURRENT_ACROSS: columns.get(CURRENT_ACROSS, 0.0)}
-        if self.waterway is None:
-            return currents
         usual, flow = self.waterway.reference_current, self.waterway.flow(columns["x"])
-        if CURRENT not in columns:
-            return {**currents, CURRENT: usual}
         known = np.abs(flow) >= LEAST_FLOW
-        return {**currents, CURRENT: np.where(known, columns[CURRENT] / np.where(known, flow, 1.0), usual)}
+        along = np.where(known, columns[CURRENT] / np.where(known, flow, 1.0), usual) if CURRENT in columns else usual
+        return {CURRENT_ACROSS: columns.get(CURRENT_ACROSS, 0.0), CURRENT: along}
 
     def _law(self, case: Case, ships: Ships, turns: Any) -> dict[str, Any]:
         hull, gear = self.ship.model.configuration.ship, self.ship.model.configuration.gear

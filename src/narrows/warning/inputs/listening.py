@@ -29,7 +29,6 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Connection:
-    address: str  # As the user wrote it
     whole: bool  # True where each piece that is read ends its last line
     # Opens it and reads it piece by piece; raises an OSError where it breaks, and closes it when nobody reads on
     opened: Callable[[], Generator[Piece]]
@@ -122,16 +121,16 @@ def connection_of(address: str) -> Connection:
     except ValueError:
         raise InputError(f"{address}: the port is no number from 0 to 65535; write it as in {SCHEMES}") from None
     if parts.scheme == "udp" and port is not None:
-        return Connection(address, True, partial(_udp, host, port))
+        return Connection(True, partial(_udp, host, port))
     if parts.scheme == "tcp" and host and port is not None:
-        return Connection(address, False, partial(_tcp, host, port))
+        return Connection(False, partial(_tcp, host, port))
     if parts.scheme == "serial" and parts.path:
         baud = parse_qs(parts.query).get("baud", [str(BAUD)])[0]
         if not baud.isdecimal():
             raise InputError(f"{address}: baud = {baud} is no speed of a line; write it as in {SCHEMES}")
         with needs("monitor", "a serial line"):
             from serial import Serial
-        return Connection(address, False, partial(_serial, Serial, parts.path, int(baud)))
+        return Connection(False, partial(_serial, Serial, parts.path, int(baud)))
     raise InputError(f"{address}: is no address to listen to; write {SCHEMES}, or the name of a recording")
 
 

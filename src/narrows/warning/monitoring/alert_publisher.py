@@ -25,7 +25,7 @@ RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
 # Letters of states. Makers' manuals contradict each other, so they can be changed.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
-    AlertState.RECTIFIED: "U", AlertState.TRANSFERRED: "O",
+    AlertState.RECTIFIED: "U",
 }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from narrows.ship.particulars import Configuration, Ship, half_swept
 from narrows.simulation.outcome import water_notes
 from narrows.warning import settings
 from narrows.warning.alerts.alert import ANY_SENSOR, LOG_LATE, OTHER_DEPTH, SAME, Alert, BankLevel, Priority
-from narrows.warning.forecasting.forecaster import BankForecast, level_time
+from narrows.warning.forecasting.forecaster import BankForecast, level_time, water_beside
 from narrows.waterway.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -114,19 +114,15 @@ def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances
     """Return the water beside a hull, the banks as they are beside midship."""
     if not estimate.ready:
         return Clearances()
-    now = estimate.values
-    here = waterway.section(min(max(now["x"], 0.0), waterway.line.length), ship.draft)
-    off, room = now["y"] - float(here.middle), float(here.width) / 2 - float(half_swept(ship, now["psi"]))
-    ends = [_hull_end(ship, waterway, now, place * ship.length / 2) for place in (1, -1)]
-    return Clearances(room + off, room - off, *ends)
-
-
-def _hull_end(ship: Ship, waterway: Waterway, now: Mapping[str, float], forward: float) -> HullEnd:
+    now, ends = estimate.values, []
+    sides = water_beside(ship, waterway, now["x"], now["y"], half_swept(ship, now["psi"]))
     along, across = math.cos(now["psi"]), math.sin(now["psi"])
-    here = waterway.section(min(max(now["x"] + forward * along, 0.0), waterway.line.length), ship.draft)
-    room, off = float(here.width) / 2 - ship.beam / 2 * along, now["y"] + forward * across - float(here.middle)
-    speed = now["u"] * across + (now["v"] + now["r"] * forward) * along
-    return HullEnd(room + off, room - off, speed)
+    for forward in (ship.length / 2, -ship.length / 2):
+        x, y = now["x"] + forward * along, now["y"] + forward * across
+        speed = now["u"] * across + (now["v"] + now["r"] * forward) * along
+        port, starboard = water_beside(ship, waterway, x, y, ship.beam / 2 * along).tolist()
+        ends.append(HullEnd(port, starboard, speed))
+    return Clearances(*sides.tolist(), *ends)
 
 
 DECISION_SUPPORT = "This is decision support, and no type-approved equipment; the watch is kept by people."
