@@ -58,7 +58,7 @@ class Command(Enum):
 
     ACKNOWLEDGE = "A"
     REPEAT = "Q"
-    TRANSFER = "O"  # Of responsibility to another system: refused
+    TRANSFER = "O"  # Another system asks for the responsibility: refused
     SILENCE = "S"
 
 
