@@ -268,6 +268,12 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
     "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
     "tests.split()": (lambda: TESTS().split(test_size=0.25), r"write nw.identify\(tests\).left_out"),
+    "nw.compare_models": (lambda: nw.compare_models, r"explain.model, tests. for each"),  # type: ignore[attr-defined]
+    "nw.kalman_filter(model, df)": (
+        lambda: nw.kalman_filter(KCS, voyage().to_dataframe()),  # type: ignore[attr-defined]
+        "give one, then run.table.rename",
+    ),
+    "nw.simulate(current=)": (lambda: nw.simulate(DTC, current=0.5), r"nw.straight_waterway\(model.canal, 20_000\)"),
     "nw.passing": (lambda: nw.passing, "forces between ships are not modelled"),  # type: ignore[attr-defined]
     "nw.load_voyage(path)": (lambda: nw.load_voyage, r"open_dataset\(path\)"),  # type: ignore[attr-defined]
     "voyage.forces": (lambda: voyage().forces, r"model.forces\(y=voyage.y"),  # type: ignore[attr-defined]
@@ -508,6 +514,7 @@ assert type(sunk.to_dict()["summary"]) is str
 assert sunk.bow[3] == nw.squat(kcs, 4.0).bow and str(sunk) and len(fit.plot_fit().axes) == 3
 assert fit.cov.loc["b_v", "b_r"] == fit.cov().b_v.b_r and fit.vif() == fit.vif and fit.r2() == fit.rsquared
 assert pickle.loads(pickle.dumps(fit.corr)).equals(fit.correlation()) and fit.conf_int.equals(fit.conf_int(alpha=0.05))
+K, S, E = nw.lqr(kcs, Q=1, R=1, u=4.0); assert np.array_equal(nw.lqr(kcs, Q=1, R=1, u=4.0).K, K) and K.shape == (2, 4)
 boot = nw.bootstrap(tests, n=20, seed=1)
 assert boot.std()["b_v"] == fit.bootstrap(20, 1).std["b_v"] and len(boot.df) == 20
 assert nw.cross_validate(tests).rmse["N"] == fit.left_out["N"].rmse == nw.left_out_error(fit)["N"].rmse

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from functools import partial
 from itertools import pairwise
 from math import inf, radians
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -288,12 +288,18 @@ def riccati_solutions(motion: np.ndarray, effect: np.ndarray, weights: np.ndarra
     return np.asarray((stable[:, size:] @ np.linalg.pinv(stable[:, :size])).real)
 
 
+class StateFeedback(NamedTuple):
+    K: np.ndarray  # (controls, states) Gains
+    S: np.ndarray  # (states, states) Solution of the Riccati equation
+    E: np.ndarray  # (states,) Poles of the closed loop [1/s]
+
+
 @accept_aliases
-def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> StateFeedback:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 
-    They are K (controls, states) of u = -K x, with the solution of the Riccati equation (states, states) and the poles
-    of the closed loop [1/s]. ``regulator`` makes a whole helm with gear, integral and tuned weights.
+    They are K (controls, states) of u = -K x, with S, the solution of the Riccati equation (states, states), and E, the
+    poles of the closed loop [1/s]. ``regulator`` makes a whole helm with gear, integral and tuned weights.
 
     Source: Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
 
@@ -330,4 +336,4 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[n
     poles = np.linalg.eigvals(A - B @ gains)
     if not poles.real.max() < -settings.LEAST_DECAY * np.abs(poles).max():
         raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y")
-    return gains, riccati, poles
+    return StateFeedback(gains, riccati, poles)

@@ -247,7 +247,8 @@ SENSORS: dict[str, type[Sensor]] = {
 
 def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
     if isinstance(sensors, str) or not isinstance(sensors, Sequence):
-        raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
+        records = "run(table.rename(columns={'x': 'gnss_x', 'y': 'gnss_y', 'psi': 'gyro', 'u': 'log'}))"
+        raise InputError(f"sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one, then {records}")
     found: dict[str, Any] = {}
     for sensor in sensors:
         if type(sensor) is Sensor or not isinstance(sensor, Sensor | RudderIndicator):
