@@ -61,6 +61,9 @@ def test_it_is_drawn() -> None:
     (line,) = panels["psi [deg]"]
     assert line.get_xydata().tolist() == [[0.0, pytest.approx(180.0)], [1.0, pytest.approx(180.0)]]
     assert nw.ShipLog((nw.ShipRecord("A", {}),)).plot().axes
+    long = nw.Signal(np.arange(100_000.0), np.zeros(100_000))
+    (line,) = nw.ShipLog((nw.ShipRecord("A", {"x": long}),)).plot().axes[0].lines
+    assert 3000 < len(line.get_xdata()) <= 4000
 
 
 def test_signals_and_records_by_hand() -> None:

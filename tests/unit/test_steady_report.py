@@ -30,6 +30,8 @@ def test_what_each_leg_adds_is_drawn() -> None:
     for axes, std in zip(drawn.axes, planned(4).std.values(), strict=True):
         assert axes.lines[0].get_xydata().tolist() == [[count, std[count]] for count in range(5)]
     assert_readable(drawn)
+    with pytest.raises(nw.InputError, match="a plan without legs has no picture"):
+        nw.plan_steady(ship(bank=3.0)).plot()
 
 
 def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on(tmp_path: Path) -> None:

@@ -152,6 +152,8 @@ def precision_figure(result: Plan | InformationForecast | SteadyPlan) -> Figure:
         counts, what, usual = range(1, len(result.runs) + 1), "runs", result.usual
         words, names = "as many about the centreline", result.targets
     elif isinstance(result, SteadyPlan):
+        if not result.legs:
+            raise InputError("a plan without legs has no picture; its summary gives the reason")
         counts, what, usual = range(len(result.legs) + 1), "legs", {name: std[0] for name, std in result.std.items()}
         words, names = "now", tuple(result.std)
     else:
@@ -172,7 +174,9 @@ def log_figure(log: ShipLog) -> Figure:
         unit, factor = IN_DEGREES.get(SIGNALS[name].unit, (SIGNALS[name].unit, 1.0))
         for record in log:
             if name in record:
-                panel.plot(record[name].t - record.start, factor * record[name].values, linewidth=0.8)
+                t, values = record[name].t - record.start, factor * record[name].values
+                every = len(t) // MOST_POINTS + 1
+                panel.plot(t[::every], values[::every], linewidth=0.8)
         panel.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
     axes[-1, 0].set_xlabel("time of the record [s]")
     return figure
@@ -196,8 +200,8 @@ def table_figure(result: Any) -> Figure:
     return figure
 
 
-# Bars and columns of a table that a figure holds.
-MOST_BARS, MOST_COLUMNS = 60, 3
+# Bars and columns of a table, and points of a curve, that a figure holds.
+MOST_BARS, MOST_COLUMNS, MOST_POINTS = 60, 3, 4000
 IN_DEGREES = {"rad": ("deg", 180.0 / np.pi), "rad/s": ("deg/s", 180.0 / np.pi)}
 SHOWN = ("y", "psi", "v", "bank", "current", "current_across", "rudder_bias", "gyro_bias")
 NORMAL_95 = 1.959964
