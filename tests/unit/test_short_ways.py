@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import narrows as nw
 from logs import kvlcc2
@@ -46,10 +47,18 @@ def test_residuals_are_drawn_over_estimates(fit: nw.Fit) -> None:
         fit.plot_residuals(force="K")
 
 
-def test_the_last_row_is_where_the_voyage_ends() -> None:
+def test_a_film_ends_where_the_voyage_does(tmp_path) -> None:
     voyage = nw.simulate(DTC, y=0.5, u=1.0)
     assert voyage.final.t == voyage.outcome.time
     assert voyage.final.y == voyage.outcome.state["y"]
+    voyage.animate(tmp_path / "v.gif", seconds=0.3)
+    with Image.open(tmp_path / "v.gif") as film:
+        assert film.n_frames == 4
+    voyage.animate(tmp_path / "v.html", seconds=0.2)
+    assert "<img" in (tmp_path / "v.html").read_text()
+    for wrong in ({"path": "v.mp4"}, {"seconds": 0.0}):
+        with pytest.raises(nw.InputError):
+            voyage.animate(**wrong)
 
 
 def test_circles_and_zigzags_are_those_of_the_trials() -> None:

@@ -177,6 +177,8 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
     )
     if hasattr(result, "geojson"):
         forms[".geojson"] = result.geojson
+    if hasattr(result, "animate"):
+        forms[".gif"] = lambda: result.animate(path) and None
     return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
 
 

@@ -1,18 +1,22 @@
-"""Figures of voyages: paths in the canal, maps of groundings, turning circles and zigzags."""
+"""Figures of voyages: paths in the canal, an animation, maps of groundings, turning circles and zigzags."""
 
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib import rc_context
+from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, shown
+from narrows.base.files import form_of, write_whole
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
@@ -295,6 +299,44 @@ def _field(axes: Axes, at: list[Any], quantity: xr.DataArray, side: xr.DataArray
     axes.set_ylabel(LABELS.get(up := str(quantity.dims[1]), up))
     white = by_side and quantity.isnull().any()
     return [Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="does not ground")] if white else []
+
+
+FRAMES_A_SECOND = 15
+LONGEST = 120.0  # Longest animation [s]
+LENGTHS = 3.0  # Visible distance ahead and astern [ship lengths]
+
+
+@rc_context(FONT)
+def animation_of(voyage: Voyage, path: str | Path | None = None, seconds: float = 8.0) -> FuncAnimation:
+    """Make an animation of a voyage in its canal, and write it if a path is given."""
+    if not 0 < seconds <= LONGEST:
+        raise InputError(f"seconds = {shown(seconds)}: give the length of a film, up to {LONGEST:g} s")
+    form = form_of(path, (".gif", ".html")) if path else None
+    length = voyage.configuration.ship.length
+    near, far = float(voyage.x.min()) - length, float(voyage.x.max()) + 2 * LENGTHS * length
+    figure, ((axes,),) = panels(1, 1, 3.4, "")
+    half = banks_on(axes, near, far, voyage)
+    axes.set(ylim=(half * 1.12, -half * 1.12), aspect="equal", xlabel=ALONG, ylabel="y [m]")
+    (line,) = axes.plot([], [], color=BLUE, linewidth=1.0)
+    ship = axes.add_patch(hull(voyage, 0, BLUE))
+    times = np.linspace(voyage.t[0], voyage.t[-1], max(2, round(FRAMES_A_SECOND * seconds)))
+    rows = np.searchsorted(voyage.t, times).clip(max=len(voyage) - 1)
+
+    def show(row: int) -> None:
+        ship.set_xy(hull(voyage, row, BLUE).get_xy())
+        line.set_data(voyage.x[: row + 1], voyage.y[: row + 1])
+        left = max(near, float(voyage.x[row]) - LENGTHS * length)
+        axes.set_xlim(left, left + 2 * LENGTHS * length)
+        titled(axes, [f"{voyage.t[row]:.1f} s" if row < len(voyage) - 1 else voyage.outcome.sentence])
+
+    film = FuncAnimation(figure, show, frames=rows.tolist(), interval=1000 / FRAMES_A_SECOND)
+    if path and form == ".html":
+        write_whole(path, film.to_jshtml(FRAMES_A_SECOND))
+    elif path:
+        with TemporaryDirectory() as folder:
+            film.save(whole := Path(folder) / "film.gif", writer=PillowWriter(fps=FRAMES_A_SECOND))
+            write_whole(path, whole.read_bytes())
+    return film
 
 
 # Turning circles and zigzags.

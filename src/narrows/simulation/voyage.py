@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_o
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+    from matplotlib.animation import FuncAnimation
 
     from narrows.waterway.waterway import Waterway
 
@@ -122,6 +124,16 @@ class Voyage(Tabulated):
             {name: np.interp(t, rows.index, column, np.nan, np.nan) for name, column in rows.items()}, np.atleast_1d(t)
         )
         return frame.iloc[0] if np.ndim(t) == 0 else frame.rename_axis("t")
+
+    def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
+        """Show an animation of the ship between its banks, which lasts ``seconds``.
+
+        Write it to ``path``: a ``.gif``, or ``.html`` with buttons. In a notebook,
+        ``HTML(voyage.animate().to_jshtml())`` shows it.
+
+        Raises an InputError if the suffix is another, or the file cannot be written.
+        """
+        return narrows.report.animation_of(self, path, seconds)
 
     def dataset(self) -> "xarray.Dataset":
         """Return the voyage as an xarray Dataset with units."""
