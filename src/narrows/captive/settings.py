@@ -20,7 +20,6 @@ LEAST_LEEWAY = 0.01  # [1] least sideways speed over speed that counts as drift
 # Kinematic consistency
 STRETCHES = 60  # Number of stretches of a test over which changes are compared, to average noise
 FEWEST_STRETCHES = 8  # fewer give no report
-FEWEST_RATES = 2  # columns needed to determine the time between rows if no column gives it
 LEAST_CORRELATION = 0.9  # least correlation of two columns of the same motion
 SLOPE_TOLERANCE = 1.25  # factor within which they agree
 FAINT_SHARE = 0.1  # [1] least variation of a column relative to other tests
