@@ -1,5 +1,6 @@
 """The optimum of problems harder than the usual: upper bounds, dependent columns, no freedom at all."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.optimize import lsq_linear
 
 import narrows as nw
 from narrows.identification.least_squares import kkt_residuals, solve
+from narrows.model.term import without
 
 
 def problem(seed: int, rank: int, size: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -103,11 +105,25 @@ def test_a_bound_with_the_wrong_sign_of_multiplier_is_told() -> None:
     assert not found.satisfied
 
 
-@pytest.mark.parametrize("high", [1.0, 5.0])
-def test_bounds_without_room_are_refused(short: nw.CaptiveTests, high: float) -> None:
-    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, (5.0, high))
-    with pytest.raises(nw.InputError, match=f"bounds 5 to {high:g} leave b_v no room"):
+@pytest.mark.parametrize(("low", "high"), [(5.0, 1.0), (np.inf, np.inf)])
+def test_bounds_without_room_are_refused(short: nw.CaptiveTests, low: float, high: float) -> None:
+    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, (low, high))
+    with pytest.raises(nw.InputError, match=f"bounds {low:g} to {high:g} leave b_v no room"):
         nw.identify(short, nw.PAPER.with_terms("narrow", sway=[own]))
+
+
+def test_a_fixed_coefficient_stays(short: nw.CaptiveTests) -> None:
+    """The others are those of a fit to the forces less that of the fixed one."""
+    fit = nw.identify(short, fixed={"b_v": 5.0})
+    assert fit["b_v"] == 5.0
+    assert fit.std["b_v"] == 0.0
+    assert fit.intervals["b_v"] == (5.0, 5.0)
+    less = replace(short, columns={**short.columns, "Y": short["Y"] - 5.0 * nw.PAPER["b_v"].column(short.columns)})
+    rest = nw.identify(less, without(nw.PAPER, "rest", lambda term: term.name == "b_v"))
+    values = fit.least_squares
+    assert [values[name] for name in rest.terms.names] == pytest.approx(
+        [*rest.least_squares.values()], rel=1e-6, abs=1e-6
+    )
 
 
 @pytest.mark.parametrize(("name", "place"), [("b_rdot", "sway"), ("c_vdot", "yaw")])

@@ -83,7 +83,7 @@ def bounded_problem(equations: NormalEquations, terms: TermTable) -> Problem:
         bounds[i] = max(bounds[i, 0], term.bound[0]), min(bounds[i, 1], term.bound[1])
     for name, i in slot.items():
         low, high = bounds[i]
-        if not low <= high:
+        if not (low < high or (low == high and np.isfinite(low))):
             raise InputError(f"bounds {low:g} to {high:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
     return Problem(slot, scale, bounds, terms, equations.columns)
