@@ -19,6 +19,7 @@ from .empirical import estimate_model as estimate_model
 from .empirical import published as published
 from .empirical import ready_ships as ready_ships
 from .empirical import with_astern_thrust as with_astern_thrust
+from .estimation import estimate_states as estimate_states
 from .identification import Comparison as Comparison
 from .identification import Explanation as Explanation
 from .identification import Fit as Fit

@@ -325,6 +325,11 @@ class Table:
                  "waterway": bent_waterway(length=9000.0), "coriolis": True},
                 answer=lambda found: found.to_dict(),
             ),
+            "estimate_states": Entry(
+                {"model": kvlcc2(), "log": zigzag()},
+                {"model": kvlcc2().with_coefficients(N_v=-0.12), "log": zigzag(10.0), "sensors": "ais", "smooth": True},
+                answer=lambda found: found.mean.tolist(),
+            ),
             "learn_steady": Entry(
                 {"model": by_depth(), "observations": held_legs()},
                 {"model": surer, "observations": held_legs(0.05), "conditions": nw.SteadyConditions(wind=1.0)},
@@ -396,7 +401,7 @@ class Table:
         own = {"tests": short_twin()}
         conditions = nw.measured_tests("kcs")
         fitted = {"tests": other_tests(), "terms": "speed", "balance": "rows",
-                  "accelerations": "motion",
+                  "accelerations": "motion", "fixed": {"b_bank": 0.0},
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
         plan = {"configuration": paper().configuration, "runs": 2}

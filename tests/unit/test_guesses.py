@@ -269,10 +269,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
     "tests.split()": (lambda: TESTS().split(test_size=0.25), r"write nw.identify\(tests\).left_out"),
     "nw.compare_models": (lambda: nw.compare_models, r"explain.model, tests. for each"),  # type: ignore[attr-defined]
-    "nw.kalman_filter(model, df)": (
-        lambda: nw.kalman_filter(KCS, voyage().to_dataframe()),  # type: ignore[attr-defined]
-        "give one, then run.table.rename",
-    ),
+    "nw.monitor(model, path)": (lambda: nw.monitor(KCS, "bridge.csv"), r"write Monitor\(model\).run\(log\)"),  # type: ignore[attr-defined]
     "nw.simulate(current=)": (lambda: nw.simulate(DTC, current=0.5), r"nw.straight_waterway\(model.canal, 20_000\)"),
     "nw.passing": (lambda: nw.passing, "forces between ships are not modelled"),  # type: ignore[attr-defined]
     "nw.load_voyage(path)": (lambda: nw.load_voyage, r"open_dataset\(path\)"),  # type: ignore[attr-defined]
@@ -539,6 +536,8 @@ ax = voyage.plot(label="free", color="k"); assert steered.plot(ax=ax, label="ste
 assert len(tests.plot(["Y", "N"]).axes) == len(voyage.plot(x="t", y=["psi", "r"]).axes) == 2
 assert model.plot(title="T", figsize=(6, 4)).axes[0].get_title() == "T" and tests.plot("Y").axes
 assert nw.safe_envelope(kcs, y=[0.0], u=[4.0], samples=9, confidence=0.95).speeds.size == 1
+log = kcs.simulate(u=4, duration=99).df
+assert nw.kalman_filter(kcs, log)["v"].shape == kcs.estimate_states(log).t.shape
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

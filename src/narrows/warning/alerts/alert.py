@@ -22,6 +22,7 @@ from threading import Event, Thread
 from typing import NamedTuple
 
 from narrows.base.errors import InputError, reason
+from narrows.base.results import Aliased
 from narrows.warning import settings
 from narrows.warning.forecasting.forecaster import BankForecast
 
@@ -71,7 +72,7 @@ WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
 
 @dataclass(frozen=True)
-class Alert:
+class Alert(Aliased):
     identifier: int  # Number of the situation
     priority: Priority = Priority.NONE  # Urgency; for a rectified alert the former urgency
     state: AlertState = AlertState.NORMAL  # Acknowledged, silenced ...

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.results import Aliased
@@ -290,6 +291,22 @@ class Monitor(Aliased):
             messages = self._decoded(t, lines)
         self.status = self.engine.watch(messages, t)
         return self.status
+
+    @accept_aliases
+    def run(self, log: Any) -> tuple[Alert, ...]:
+        """Use a recording second by second, and return each alert as it was raised, in order; ``status`` is the last.
+
+        ``log`` is a ``ShipLog``, a record, or what ``read_log`` reads: positions along the waterway of the monitor.
+        """
+        raised: list[Alert] = []
+        records = [log] if hasattr(log, "signals") else log if hasattr(log, "records") else narrows.read_log(log)
+        for record in records:
+            table = record.to_dataframe()
+            table = table[[name for name in table if name in ("x", "y", "rudder", "revolutions", *SENSOR_OF)]]
+            rows = table.groupby(np.floor(table.index.to_numpy())).last()
+            for second, row in zip(rows.index.to_numpy(float), rows.to_dict("records"), strict=True):
+                raised += [one for one in self.update(second + 1.0, row).changed if one.holds]
+        return tuple(raised)
 
     def _decoded(self, t: float, lines: Sequence[str | bytes]) -> Messages:
         if not self._is_placed:
