@@ -90,6 +90,12 @@ def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
             nw.sail_trials(KVLCC2, 1.179, **asked)
     with pytest.raises(nw.InputError, match="must be a finite number"):
         nw.sail_trials(KVLCC2, 1.179, turn_deg=np.nan)
+
+
+def test_trials_in_radians_are_named_in_degrees() -> None:
+    found = nw.sail_trials(KVLCC2, 1.179, turn_deg=np.radians(35), zigzags=())
+    assert [*found.turning] == ["+35", "-35"]
+    assert "the rudder of 0.610865 was read in radians, 35 degrees" in found.notes
     with pytest.raises(nw.InputError, match="give its angle"):
         nw.ConstantRudder(np.nan)
 

@@ -286,6 +286,8 @@ class TermTable(BaseSummary):
 
     def with_fixed(self, values: Mapping[str, float]) -> "TermTable":
         """Return the table with some coefficients at ``values``, which a fit keeps; an InputError for another name."""
+        if not isinstance(values, Mapping):
+            raise InputError(f"fixed = {shown(values)} has no values by name; give them, as in {{'b_bank': 0.0}}")
         for name, value in values.items():
             check_choice("fixed", name, self.names)
             if not is_finite(value):

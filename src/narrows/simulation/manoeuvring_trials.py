@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -188,13 +189,13 @@ def sail_trials(
         Step; default: a hundred and twentieth of the time for a ship length.
     """
     ship = TrialShip.of(model, speed, dt)
-    ship.in_radians(rudder=turn_deg)
-    for rudder, heading in zigzags:
-        ship.in_radians(rudder=rudder, heading=heading)
-    turning = {f"{angle:+g}": ship.turn(angle) for angle in (turn_deg, -turn_deg)}
-    pairs = [(sign * rudder, heading) for rudder, heading in zigzags for sign in (1, -1)]
-    tacking = {f"{rudder:+g}/{heading:g}": ship.zigzag(rudder, heading) for rudder, heading in pairs}
-    return Trials(ship.model, ship.speed, turning, tacking, ship.notes)
+    asked = [{"rudder": turn_deg}, *({"rudder": rudder, "heading": heading} for rudder, heading in zigzags)]
+    radians, notes = zip(*(ship.in_radians(**angles) for angles in asked), strict=True)
+    (turn,), *pairs = ([math.degrees(angle) for angle in angles] for angles in radians)
+    turning = {f"{angle:+g}": ship.turn(angle) for angle in (turn, -turn)}
+    both = [(sign * rudder, heading) for rudder, heading in pairs for sign in (1, -1)]
+    tacking = {f"{rudder:+g}/{heading:g}": ship.zigzag(rudder, heading) for rudder, heading in both}
+    return Trials(ship.model, ship.speed, turning, tacking, tuple(dict.fromkeys(chain(*notes))))
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from narrows.ship.particulars import Configuration
 from narrows.simulation import initial_state as steps
 from narrows.simulation import inputs
 from narrows.simulation import outcome as end
+from narrows.simulation.grid import labelled
 from narrows.simulation.outcome import Code, Outcome, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_of
@@ -116,10 +117,13 @@ class Voyage(Tabulated):
         return self.to_dataframe().iloc[-1]
 
     def at(self, t: Any) -> "pd.Series[float] | pd.DataFrame":
-        """Return the state at a time ``t`` [s], or at several: interpolated linearly, and NaN after its end."""
+        """Return the state at a time ``t`` [s], or at several: interpolated linearly, and NaN after its end.
+
+        Raises an InputError if ``t`` is no finite number or sequence of them.
+        """
         import pandas as pd
 
-        rows = self.to_dataframe().set_index("t")
+        t, rows = labelled("t", t).to_numpy(), self.to_dataframe().set_index("t")
         frame = pd.DataFrame(
             {name: np.interp(t, rows.index, column, np.nan, np.nan) for name, column in rows.items()}, np.atleast_1d(t)
         )
