@@ -13,7 +13,7 @@ found = nw.sensitivities(model, by=("b_bank", "c_bank", "b_v"), y=0.5, u=1.0, du
 picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for name in ("b_bank", "c_bank", "b_v"):
-    change = found.dataset()["dy"].sel(by=name) * 0.1 * model[name]
+    change = found.of("y", name) * 0.1 * model[name]
     axes.plot(found.voyage.t, change, linewidth=3, label=f"{name} + 10 %")
     print(f"{name} + 10 %: {float(change[-1]):+.2f} m after 8 s")
 axes.set(xlabel="time [s]", ylabel="change of the offset [m]", title="Sensitivity of a voyage")

@@ -76,10 +76,10 @@ def test_the_waterway_file_has_every_key_with_a_comment() -> None:
     path = ROOT / "examples" / "waterway.geojson"
     features = json.loads(path.read_text(encoding="utf-8"))["features"]
     keys = {key for feature in features for key in feature["properties"]}
-    asked = set(re.findall(r'properties\.get\("(\w+)"\)', inspect.getsource(narrows.waterway.geojson)))
+    asked = set(re.findall(r'(?:properties|own)\.get\("(\w+)"\)', inspect.getsource(narrows.waterway.geojson)))
     asked |= {"role", *narrows.waterway.geojson.CURRENT}  # "role" is one of several words for it.
-    # Of depth and depths a file has one, and of widths and lines of the banks.
-    assert asked - {"depth", "widths"} == keys - {"about"}
+    # Of depth and depths a file has one.
+    assert asked - {"depth"} == keys - {"about"}
     for feature in features:
         about = feature["properties"]["about"]
         assert set(about) == {*feature["properties"], "coordinates"} - {"about"}

@@ -262,7 +262,7 @@ def test_what_it_cannot_do_is_one_sentence_with_a_remedy(monkeypatch: pytest.Mon
         ({"y": 3.3}, "in the bank"), ({"u": 0.0}, "without way"), ({"u": math.nan}, "finite"),
         ({"margin": -1.0}, "reach into the bank"), ({"confidence": 1.0}, "share"), ({"horizon": 0.0}, "positive"),
         ({"intervals": 1}, "intervals"), ({"revolutions": 3.0}, "propeller"),
-        ({"waterway": "canal"}, "read_waterway"),
+        ({"waterway": "canal"}, "no such file"),
     ):  # fmt: skip
         with pytest.raises(nw.InputError, match=word):
             PredictiveHelm(ship(), **{"y": HOLD, "u": SPEED, **told})
