@@ -174,8 +174,15 @@ def test_a_leg_that_does_not_fit_the_others_is_named() -> None:
 
 
 def test_a_table_without_drift_is_told_what_to_head_so() -> None:
-    with pytest.raises(nw.InputError, match="no column 'drift', heading less course over ground, or than the canal's"):
+    with pytest.raises(
+        nw.InputError, match="no column 'drift', heading minus course over ground, or minus the canal's"
+    ):
         nw.learn_steady(ship(), legs().rename(columns={"drift [deg]": "heading [deg]"}), conditions=CALM)
+
+
+def test_legs_of_one_name_are_refused() -> None:
+    with pytest.raises(nw.InputError, match="two legs have the same name; give each a name of its own"):
+        nw.learn_steady(ship(), legs().assign(leg="port"), conditions=CALM)
 
 
 def test_the_range_in_a_section_that_no_test_had_is_that_of_the_legs() -> None:
@@ -202,8 +209,8 @@ def test_files_and_mappings_are_read_alike(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"rudder [deg]": None}, "there is no column 'rudder'"),
-        ({"drift [deg]": None}, "there is no column 'drift"),
+        ({"rudder [deg]": None}, "has no column 'rudder'"),
+        ({"drift [deg]": None}, "has no column 'drift"),
         ({"u": [0.8, -0.8, 0.9]}, "u over 0"),
         ({"y": [0.5, -9.0, 0.3]}, "has the hull in the bank"),
         ({"rudder [deg]": None, "rudder": [5.0, -5.0, 4.0]}, "rudder \\[deg\\]"),

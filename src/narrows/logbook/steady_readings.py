@@ -34,7 +34,7 @@ READ = {
     "y": Quantity("m", "midship to starboard of the middle of the canal"),
     "u": Quantity("m/s", "surge velocity through the water"),
     "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
-    "drift": Quantity("rad", "heading less course over ground, or than the canal's direction, positive to starboard"),
+    "drift": Quantity("rad", "heading minus course over ground, or minus the canal's direction, positive to starboard"),
 }
 # Values of a leg that may be given too.
 GIVEN = {
@@ -82,11 +82,11 @@ def steady_readings(table: Any, conditions: "SteadyConditions") -> SteadyReading
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
     for name in READ:
         if name not in columns:
-            raise InputError(
-                f"{source}: there is no column {name!r}, {READ[name].meaning}{did_you_mean(name, headers)}"
-            )
+            raise InputError(f"{source}: has no column {name!r}, {READ[name].meaning}{did_you_mean(name, headers)}")
     stated = {name: columns.get(f"{name}_error", np.full(len(frame), reading_error(conditions, name))) for name in READ}
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
+    if len({*names}) < len(frame):
+        raise InputError(f"{source}: two legs have the same name; give each a name of its own, or leave {LABEL!r} out")
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
     _check(readings := SteadyReadings(tuple(map(str, names)), values, stated, source, sha256_of_frame(frame)))
     return readings

@@ -117,10 +117,7 @@ class Voyage(Tabulated):
         return self.to_dataframe().iloc[-1]
 
     def at(self, t: Any) -> "pd.Series[float] | pd.DataFrame":
-        """Return the state at a time ``t`` [s], or at several: interpolated linearly, and NaN after its end.
-
-        Raises an InputError if ``t`` is no finite number or sequence of them.
-        """
+        """Return the state at a time ``t`` [s] or several, interpolated linearly; an InputError if it is no number."""
         import pandas as pd
 
         t, rows = labelled("t", t).to_numpy(), self.to_dataframe().set_index("t")
