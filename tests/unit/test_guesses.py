@@ -186,6 +186,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         r"nw.explain\(model, tests\) has the errors",
     ),
     "tests.select(kind=)": (lambda: TESTS().select(kind="yaw"), "write where=..., as in"),
+    "tests[0].t": (lambda: nw.measured_tests("kcs")[0].t, "over the rows"),
     "nw.identify(form=)": (lambda: nw.identify(short_twin(), form="distance"), r"'paper\+distance' for another bank"),  # type: ignore[call-arg]
     "model.plot_forces(u=1.0)": (lambda: DTC.plot(u=1.0), "has the numbers at a speed"),  # type: ignore[call-arg]
     "model.forces(0.5, 0.0, 1.0)": (lambda: DTC.forces(0.5, 0.0, 1.0, 0.0, 0.0), "give them by name"),  # type: ignore[arg-type]
@@ -518,7 +519,17 @@ assert nw.cross_validate(tests).rmse["N"] == fit.left_out["N"].rmse == nw.left_o
 fixed = nw.identify(tests, fixed={"b_bank": 0, "b_vdot": 60.0}); assert fixed["b_bank"] == fixed.std["b_bank"] == 0
 assert fixed.intervals["b_vdot"] == (60.0, 60.0) and fixed.bootstrap(9).samples[:, 3].std() == 0 and fixed.left_out
 best = nw.compare(tests, ["paper", "speed"]).best; assert best.N == best["N"] == best("N")
-assert len(kcs.sample(3)) == len(fit.sample(n_samples=3, seed=1)) == 3 and kcs.draws(2)[0] != kcs
+draws = fit.sample(n_samples=300, seed=1); assert abs(draws["b_bank"].std() / fit.std["b_bank"] - 1) < 0.2
+assert kcs.with_coefficients(kcs.draws(2).loc[1])["Y_bank"] == kcs.sample(2).Y_bank[1] != kcs["Y_bank"]
+assert (tests.filter(speed=(0.3, 9)).u >= 0.3).all()
+assert tests.select("y > 0", y=(-1, 1), yaw_moment=(-9, 9)).y.min() > 0
+assert nw.plan(fit, runs=2).notes == nw.plan(tests, runs=2).notes and "1 test" in tests.filter(test="yaw").summary()
+told = nw.explain(pub, tests, ["paper"])
+assert told.rmse.Y == told.scores["Y"].rmse and told.r2["N"] == told.scores["N"].r2
+assert model.predict(tests)["Y"].equals(fit.predict().Y) and len(model.predict(tests.to_dataframe())) == tests.rows
+assert nw.simulate(kcs, u=4, rpm=60, duration=9) == nw.simulate(kcs, u=4, n=1.0, duration=9)
+assert nw.crash_stop(kcs, rpm=-60).distance == nw.crash_stop(kcs, revolutions="-60 rpm").distance
+nw.animate(nw.simulate(pub, y=1.0, duration=2.0), "a.gif", seconds=0.2)
 drawn = nw.monte_carlo(kcs, n=9, y=20, u=4)
 assert drawn.probability("grounded") == (drawn.outcome == "grounded").mean()
 assert nw.plan(tests.ship, runs=2).runs

@@ -148,6 +148,8 @@ class Arguments:
 
     def renamed(self, given: dict[str, Any]) -> dict[str, Any]:
         """Return named arguments by the names here; raise where a name is answered with what to write."""
+        if "rpm" in given and self._takes("revolutions"):
+            given["revolutions_rpm"] = given.pop("rpm")
         for name in [name for name in given if name not in self.parameters]:
             if self.more == "style" or (self.more and name in aliases("arguments")):
                 continue
@@ -199,7 +201,9 @@ class Arguments:
 
     def _takes(self, ours: str) -> bool:
         # A fleet varies any quantity; positions are those of actuators alone.
-        return ours in self.parameters or (bool(self.more) and (self.more != "positions" or ours == "rudder"))
+        return ours in self.parameters or (
+            bool(self.more) and (self.more != "positions" or ours in ("rudder", "revolutions"))
+        )
 
     def _are_own(self, row: str) -> bool:
         named = set(re.findall(r"\b(\w+)=", row))

@@ -170,11 +170,18 @@ class CaptiveTests(Configured, Tabulated):
             conditions=tuple(compress(self.conditions, kept)),
         )
 
-    def query(self, where: str) -> "CaptiveTests":
+    @accept_aliases
+    def query(self, where: str = "", **columns: Any) -> "CaptiveTests":
         """Return the rows for which ``where`` holds, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
 
-        Raises an InputError if the expression is invalid, or no row is left.
+        Or those in which ``columns`` have a value, or are in a range, as in ``u=(0.3, 0.6)``. Raises an InputError if
+        the expression is invalid, or no row is left.
         """
+        if columns:
+            ends = {name: np.broadcast_to(asked, 2) for name, asked in columns.items()}
+            kept = [(self[name] >= low) & (self[name] <= high) for name, (low, high) in ends.items()]
+            found = self.of_rows(np.all(kept, axis=0))
+            return found.query(where) if where else found
         frame, known = self.to_dataframe(), {name: Quantity(unit, "") for name, unit in self.units.items() if unit}
         return self.of_rows(selection(where, frame, frame, known, "the tests"))
 

@@ -1,6 +1,6 @@
 """The result of a fit; each part is computed when it is first used."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,7 +28,7 @@ from narrows.identification.estimates import (
 )
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
-from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
+from narrows.identification.normal_equations import ONE, NormalEquations, Score, Scored, accumulate, score
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
 from narrows.model.additions import AT
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Fit(BaseResult):
+class Fit(Scored, BaseResult):
     """A fitted table of terms: estimates, intervals, verdicts and diagnostics.
 
     >>> fit.verdicts["b_bank"].status
@@ -127,16 +127,6 @@ class Fit(BaseResult):
     def scores(self) -> dict[str, Score]:
         """R2 and RMSE of each force on the rows of the fit, with the weights of the fit."""
         return self.score()
-
-    @property
-    def rsquared(self) -> dict[str, float]:
-        """R2 of each force on the rows of the fit [1]."""
-        return Named({force: fitted.r2 for force, fitted in self.scores.items()})
-
-    @property
-    def rmse(self) -> dict[str, float]:
-        """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
-        return Named({force: fitted.rmse for force, fitted in self.scores.items()})
 
     @cached_property
     def left_out(self) -> dict[str, Score]:
@@ -265,12 +255,12 @@ class Fit(BaseResult):
         Or at those of other ``tests``, read for a ``ship`` where they were not read yet.
         """
         read = self.tests if tests is None else as_tests(tests, ship, self.tests.configuration)
-        return self._rows(read, measured=False)
+        return force_rows(read, self.terms, self.coefficients)
 
     @property
     def residuals(self) -> "pd.DataFrame":
         """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
-        return self._rows(self.tests, measured=True)
+        return force_rows(self.tests, self.terms, self.coefficients, measured=True)
 
     def score(self, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other ``tests``, read for a ``ship`` where they were not read yet."""
@@ -373,24 +363,6 @@ class Fit(BaseResult):
     def _known(self) -> tuple[NormalEquations, DistinctMotions, Problem, RunErrors, Configuration]:
         return self.normal_equations, self.motions, self.problem, self.errors, self.tests.configuration
 
-    def _rows(self, tests: Tests, measured: bool) -> "pd.DataFrame":
-        """Forces of each row as estimated, or what was measured beyond that."""
-        import pandas as pd
-
-        frames = []
-        for block in tests.blocks(1):
-            check_given(self.terms.inputs, block.values, block.headers, self.terms.actuators)
-            names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
-            rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
-            for force, terms in self.terms.forces.items():
-                if terms:
-                    parts = (self.coefficients[term.name] * term.column(block.values) for term in terms)
-                    estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
-                    rows[force] = block.values[force] - estimated if measured else estimated
-            frames.append(pd.DataFrame(rows))
-        frame = pd.concat(frames)
-        return frame.set_index([name for name in ("test", "t") if name in frame])
-
     @property
     def _size(self) -> str:
         return f"{len(self.normal_equations.names)} tests of {self.nobs} rows"
@@ -398,3 +370,22 @@ class Fit(BaseResult):
 
 def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:
     return [{"error": e.name, "size": size, "unit": e.unit, "usual": e.usual} for e, size in sizes]
+
+
+def force_rows(tests: Tests, terms: TermTable, values: Mapping[str, float], measured: bool = False) -> "pd.DataFrame":
+    """Forces of each row as estimated, or what was measured beyond that."""
+    import pandas as pd
+
+    frames = []
+    for block in tests.blocks(1):
+        check_given(terms.inputs, block.values, block.headers, terms.actuators)
+        names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
+        rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
+        for force, own in terms.forces.items():
+            if own:
+                parts = (values[term.name] * term.column(block.values) for term in own)
+                estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
+                rows[force] = block.values[force] - estimated if measured else estimated
+        frames.append(pd.DataFrame(rows))
+    frame = pd.concat(frames)
+    return frame.set_index([name for name in ("test", "t") if name in frame])

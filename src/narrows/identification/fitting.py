@@ -19,7 +19,7 @@ from narrows.captive.tests import CaptiveTests
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import bounded_problem
 from narrows.identification.motions import grouped
-from narrows.identification.normal_equations import Balance, Score, accumulate, score
+from narrows.identification.normal_equations import Balance, Score, Scored, accumulate, score
 from narrows.identification.systematic_effects import RunErrors
 from narrows.identification.verdict import NOT_SEPARABLE, unmodelled_rudder
 from narrows.model.additions import pooled
@@ -299,7 +299,7 @@ def compare(
 
 
 @dataclass(frozen=True, repr=False)
-class Explanation(BaseResult):
+class Explanation(Scored, BaseResult):
     """A model on a table of tests, whether or not it was fitted on them."""
 
     model: Model  #: The model

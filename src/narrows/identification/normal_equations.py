@@ -284,6 +284,20 @@ class Score(NamedTuple):
     rmse: float  # Root mean squared error [N]
 
 
+class Scored:
+    """Errors by force of what has ``scores``."""
+
+    @property
+    def rsquared(self: Any) -> dict[str, float]:
+        """R2 of each force on the rows of the tests [1]."""
+        return Named({force: found.r2 for force, found in self.scores.items()})
+
+    @property
+    def rmse(self: Any) -> dict[str, float]:
+        """Root mean squared error of each force on the rows of the tests [N, N, N m]."""
+        return Named({force: found.rmse for force, found in self.scores.items()})
+
+
 def score(
     equations: NormalEquations, sums: np.ndarray, terms: TermTable, values: Mapping[str, float] | np.ndarray
 ) -> dict[str, Score]:

@@ -135,8 +135,8 @@ def plan_tests(
     Parameters
     ----------
     configuration : str, Path, Configuration or mapping
-        Ship, canal and water: a ship file, its configuration, its sections as mappings, or a model; or earlier tests,
-        to which the plan adds runs.
+        Ship, canal and water: a ship file, its configuration, its sections as mappings, or a model; or earlier tests
+        or their fit, to which the plan adds runs.
     runs : int
         Number of runs.
     tank : Tank, optional
@@ -159,7 +159,7 @@ def plan_tests(
     >>> len(nw.plan_tests(model.configuration, 4).runs)
     4
     """
-    tank = tank or Tank()
+    tank, configuration = tank or Tank(), getattr(configuration, "tests", configuration)  # Those of a fit
     _check(runs, terms, noise, tank)
     after = configuration if after is None and hasattr(configuration, "blocks") else after
     configuration = ship_from(configuration, terms.actuators)

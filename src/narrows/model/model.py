@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial, reduce
+from importlib import import_module
 from operator import add
 from pathlib import Path
 from types import MappingProxyType
@@ -184,13 +185,22 @@ class Model(Configured, Operations):
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
 
-    def sample(self, n: int = 100, seed: int = 0) -> "list[Model]":
-        """Return ``n`` models with coefficients drawn from their covariance, as ensembles draw them from a ``seed``.
+    def sample(self, n: int = 100, seed: int = 0) -> "pd.DataFrame":
+        """Return ``n`` rows of coefficients, drawn from their covariance as ensembles draw them from a ``seed``.
 
-        Raises an InputError if the model has no covariance.
+        ``model.with_coefficients(table.loc[0])`` is the model of a row. Raises an InputError if there is no covariance.
         """
+        import pandas as pd
+
         drawn = narrows.simulation.grid.sampled(self, n, seed)
-        return [self.with_coefficients({name: float(of[i]) for name, of in drawn.items()}) for i in range(n)]
+        return pd.DataFrame({name: column.to_numpy() for name, column in drawn.items()})
+
+    def predict(self, tests: Any = None, **quantities: Number) -> Any:
+        """Return the forces on the rows of ``tests`` as a table, or those of ``forces`` at ``quantities`` by name."""
+        if tests is None or isinstance(tests, Motion):
+            return self.forces(tests, **quantities)
+        read = tests if hasattr(tests, "blocks") else narrows.read_captive(tests, self.configuration)
+        return import_module("narrows.identification.fit").force_rows(read, self.terms, self.coefficients)
 
     @accept_aliases
     def forces(

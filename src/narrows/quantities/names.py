@@ -96,6 +96,7 @@ SPEED_UNITS = {
 NAME_UNITS = {
     r"(?:.*_)?(?:u|v|speeds?|current)": {unit.replace("/", ""): size for unit, size in SPEED_UNITS.items() if unit},
     r"(?:.*_)?(?:psi|heading|rudder|r)": {"deg": DEGREE, "rad": 1.0},
+    "revolutions": {"rpm": 1 / 60, "rps": 1.0},
     "duration|dt": {"s": 1.0, "min": 60.0, "h": 3600.0},
     ".*": {"m": 1.0, "s": 1.0},
 }
