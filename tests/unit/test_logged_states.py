@@ -75,3 +75,12 @@ def test_a_monitor_gives_the_alerts_of_a_recording_in_order() -> None:
     assert banks[0].level < banks[-1].level  # type: ignore[attr-defined]
     assert monitor.status
     assert monitor.alerts
+
+
+def test_a_monitor_does_not_go_back_in_time() -> None:
+    """A second recording that begins earlier would be judged by the last place of the first one."""
+    monitor = nw.Monitor(KCS, members=50)
+    monitor.run(recorded(sailed()).iloc[:20])
+    with pytest.raises(nw.InputError, match="make a new Monitor for another recording"):
+        monitor.run(recorded(sailed()).iloc[:20])
+    assert type(monitor.status.t) is float  # type: ignore[union-attr]

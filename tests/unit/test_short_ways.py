@@ -155,3 +155,23 @@ def test_versions_are_printed() -> None:
     with redirect_stdout(io.StringIO()) as printed:
         nw.show_versions()
     assert {"narrows", "python", "numpy"} <= {line.split()[0] for line in printed.getvalue().splitlines()}
+
+
+def test_a_figure_needs_no_table_that_nobody_asked_for(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:
+    """The table of a fleet of millions may not fit in memory."""
+    voyage = nw.simulate(DTC, y=0.2, u=1.0, duration=5.0)
+    monkeypatch.setattr(type(voyage), "to_dataframe", None)
+    assert voyage.plot().axes
+    assert voyage.plot(str(tmp_path / "a.png")).axes
+
+
+@pytest.mark.parametrize("style", [{"figsize": 3}, {"color": "no colour"}])
+def test_a_style_that_matplotlib_refuses_is_answered(style) -> None:
+    voyage = nw.simulate(DTC, y=0.2, u=1.0, duration=5.0)
+    with pytest.raises(nw.InputError, match="plot cannot draw this"):
+        voyage.plot(**style)
+
+
+def test_an_animation_needs_a_file_name() -> None:
+    with pytest.raises(nw.InputError, match="nameless"):
+        nw.simulate(DTC, y=0.2, u=1.0, duration=5.0).animate("")

@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from narrows.base.errors import InputError, check_choice, shown
-from narrows.base.files import save_figure
+from narrows.base.errors import InputError, check_choice, reason, shown
+from narrows.base.files import PICTURES, save_figure
 from narrows.control import LinearSystem
 from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
@@ -29,8 +29,9 @@ from narrows.simulation.derivative import Jacobian
 
 
 def figure_of(result: Any, axes: Any = None, **style: Any) -> Figure:
-    frame = result.to_dataframe() if hasattr(result, "to_dataframe") else None
-    if isinstance(axes, list | tuple) or (isinstance(axes, str) and frame is not None and axes in frame):
+    table = getattr(result, "to_dataframe", None)  # A large fleet has no room for one that is not asked for.
+    is_name = isinstance(axes, str) and Path(axes).suffix not in PICTURES
+    if isinstance(axes, list | tuple) or (is_name and table and axes in table()):
         style, axes = {"y": axes, **style}, None
     if isinstance(axes, str | Path):
         figure = figure_of(result, **style)
@@ -48,16 +49,17 @@ def figure_of(result: Any, axes: Any = None, **style: Any) -> Figure:
     with drawing_on(axes):
         kinds = (kind.__name__ for kind in type(result).__mro__)
         draw = next((FIGURES[kind] for kind in kinds if kind in FIGURES), table_figure)
-        figure = columns_figure(frame, **of_table) if of_table and frame is not None else draw(result)
+        figure = columns_figure(table(), **of_table) if of_table and table else draw(result)
     panel = figure.axes[0] if axes is None else axes
-    if own and (drawn := panel.lines[known:]):
-        max(drawn, key=lambda line: np.size(line.get_xdata())).set(**own)
-        if "label" in own:
-            panel.legend()
-    if "title" in style:
-        panel.set_title(style["title"])
-    if "figsize" in style:
-        figure.set_size_inches(style["figsize"])
+    try:
+        if own and (drawn := panel.lines[known:]):
+            max(drawn, key=lambda line: np.size(line.get_xdata())).set(**own)
+            if "label" in own:
+                panel.legend()
+        panel.set_title(style.get("title", panel.get_title()))
+        figure.set_size_inches(style.get("figsize", figure.get_size_inches()))
+    except (TypeError, ValueError) as error:
+        raise InputError(f"plot cannot draw this ({reason(error)}); {NO_STYLE}") from None
     return figure
 
 

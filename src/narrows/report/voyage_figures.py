@@ -311,7 +311,7 @@ def animation_of(voyage: Voyage, path: str | Path | None = None, seconds: float 
     """Make an animation of a voyage in its canal, and write it if a path is given."""
     if not 0 < seconds <= LONGEST:
         raise InputError(f"seconds = {shown(seconds)}: give the length of a film, up to {LONGEST:g} s")
-    form = form_of(path, (".gif", ".html")) if path else None
+    form = None if path is None else form_of(path, (".gif", ".html"))
     length = voyage.configuration.ship.length
     near, far = float(voyage.x.min()) - length, float(voyage.x.max()) + 2 * LENGTHS * length
     figure, ((axes,),) = panels(1, 1, 3.4, "")

@@ -282,6 +282,8 @@ class Monitor(Aliased):
         """
         if not is_finite(t):
             raise InputError(f"t = {shown(t)} is no time; give seconds, then the readings")
+        if self.status and t < self.status.t:
+            raise InputError(f"t = {t:g} s is before the last readings; make a new Monitor for another recording")
         if readings is None or isinstance(readings, Mapping | pd.Series):
             messages = self._messages(t, {**({} if readings is None else readings), **named})
         else:
@@ -304,7 +306,7 @@ class Monitor(Aliased):
             table = record.to_dataframe()
             table = table[[name for name in table if name in ("x", "y", "rudder", "revolutions", *SENSOR_OF)]]
             rows = table.groupby(np.floor(table.index.to_numpy())).last()
-            for second, row in zip(rows.index.to_numpy(float), rows.to_dict("records"), strict=True):
+            for second, row in zip(rows.index.tolist(), rows.to_dict("records"), strict=True):
                 raised += [one for one in self.update(second + 1.0, row).changed if one.holds]
         return tuple(raised)
 
