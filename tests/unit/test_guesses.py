@@ -186,6 +186,9 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         r"nw.explain\(model, tests\) has the errors",
     ),
     "tests.select(kind=)": (lambda: TESTS().select(kind="yaw"), "write where=..., as in"),
+    "voyage.to_kml(path)": (lambda: voyage().to_kml("v.kml"), r"write save\(path\), .geojson for a track"),  # type: ignore[attr-defined]
+    "nw.plot_voyages": (lambda: nw.plot_voyages, r"write voyage.plot\(label=...\)"),  # type: ignore[attr-defined]
+    "nw.convert": (lambda: nw.convert, "the unit in the text"),  # type: ignore[attr-defined]
     "tests[0].t": (lambda: nw.measured_tests("kcs")[0].t, "over the rows"),
     "nw.identify(form=)": (lambda: nw.identify(short_twin(), form="distance"), r"'paper\+distance' for another bank"),  # type: ignore[call-arg]
     "model.plot_forces(u=1.0)": (lambda: DTC.plot(u=1.0), "has the numbers at a speed"),  # type: ignore[call-arg]
@@ -523,6 +526,11 @@ draws = fit.sample(n_samples=300, seed=1); assert abs(draws["b_bank"].std() / fi
 assert kcs.with_coefficients(kcs.draws(2).loc[1])["Y_bank"] == kcs.sample(2).Y_bank[1] != kcs["Y_bank"]
 assert (tests.filter(speed=(0.3, 9)).u >= 0.3).all()
 assert tests.select("y > 0", y=(-1, 1), yaw_moment=(-9, 9)).y.min() > 0
+assert tests.filter(name="yaw").names == ("yaw",) == tests.filter(test=["yaw", "a", "b"]).names
+assert nw.simulate(pub, y="50 cm", duration=9) == nw.simulate(pub, y_mm=500, duration=9) != nw.simulate(pub, y="1 ft")
+assert nw.simulate(pub, r="60 deg/min", duration=9) == nw.simulate(pub, r="1 deg/s", duration=9)
+assert voyage.y_end == voyage.y[-1] and len(voyage.plot_heading().axes) == 1 and voyage.plot_speed("u.png").axes
+assert (kcs.estimate_states(kcs.simulate(u=4, duration=99).df).v_std > 0).all()
 assert nw.plan(fit, runs=2).notes == nw.plan(tests, runs=2).notes and "1 test" in tests.filter(test="yaw").summary()
 told = nw.explain(pub, tests, ["paper"])
 assert told.rmse.Y == told.scores["Y"].rmse and told.r2["N"] == told.scores["N"].r2

@@ -110,6 +110,13 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     own = stem if stem in known else name_here(stem, "attributes", lambda row: _head(row) in known)
     if own and (size := unit_of(name, own.rpartition(".")[2])) and not callable(value := getattr(thing, stem)):
         return np.divide(value, size)
+    drawn = name.removeprefix("plot_")  # ``plot_heading()`` is ``plot(y="psi")``
+    if (
+        drawn != name
+        and "plot" in known
+        and (own := name_here(drawn, "attributes", known.__contains__) or drawn) in known
+    ):
+        return partial(thing.plot, y=own)
     function = function_named(name) or (getattr(narrows, name) if name in dir(narrows) else None)
     if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
         kind.__name__, ()
@@ -333,9 +340,8 @@ class Tabulated(BaseResult):
             try:
                 return super().__getattr__(name)
             except AttributeError:
-                if name.startswith("_") or not (table_has(name) or name in self.__dict__.get("columns", ())):
+                if name.startswith("_") or not hasattr(table := self.to_dataframe(), name):
                     raise
-                table = self.to_dataframe()
                 return getattr(table.select_dtypes("number") if name in OF_NUMBERS else table, name)
 
 

@@ -174,12 +174,14 @@ class CaptiveTests(Configured, Tabulated):
     def query(self, where: str = "", **columns: Any) -> "CaptiveTests":
         """Return the rows for which ``where`` holds, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
 
-        Or those in which ``columns`` have a value, or are in a range, as in ``u=(0.3, 0.6)``. Raises an InputError if
-        the expression is invalid, or no row is left.
+        Or those in which ``columns`` have a value, are in a range, as in ``u=(0.3, 0.6)``, or among three or more
+        values. Raises an InputError if the expression is invalid, or no row is left.
         """
         if columns:
-            ends = {name: np.broadcast_to(asked, 2) for name, asked in columns.items()}
-            kept = [(self[name] >= low) & (self[name] <= high) for name, (low, high) in ends.items()]
+            kept = [
+                (self[name] >= of[0]) & (self[name] <= of[1]) if np.size(of) == 2 else np.isin(self[name], of)
+                for name, of in columns.items()
+            ]
             found = self.of_rows(np.all(kept, axis=0))
             return found.query(where) if where else found
         frame, known = self.to_dataframe(), {name: Quantity(unit, "") for name, unit in self.units.items() if unit}

@@ -95,10 +95,11 @@ SPEED_UNITS = {
 # Units at the end of a name, such as ``speed_knots`` and ``psi_deg``, by the first pattern that it matches [SI].
 NAME_UNITS = {
     r"(?:.*_)?(?:u|v|speeds?|current)": {unit.replace("/", ""): size for unit, size in SPEED_UNITS.items() if unit},
-    r"(?:.*_)?(?:psi|heading|rudder|r)": {"deg": DEGREE, "rad": 1.0},
+    r"(?:.*_)?(?:psi|heading|rudder)": {"deg": DEGREE, "rad": 1.0},
+    r"(?:.*_)?r": {"deg": DEGREE, "degs": DEGREE, "degmin": DEGREE / 60, "rad": 1.0, "rads": 1.0},
     "revolutions": {"rpm": 1 / 60, "rps": 1.0},
     "duration|dt": {"s": 1.0, "min": 60.0, "h": 3600.0},
-    ".*": {"m": 1.0, "s": 1.0},
+    ".*": {"m": 1.0, "s": 1.0, "km": 1000.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "nmi": 1852.0},
 }
 
 
