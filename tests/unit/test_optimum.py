@@ -126,6 +126,13 @@ def test_a_fixed_coefficient_stays(short: nw.CaptiveTests) -> None:
     )
 
 
+def test_all_coefficients_of_a_force_may_be_fixed(short: nw.CaptiveTests) -> None:
+    fixed = {term.name: 1.0 for term in nw.PAPER.surge}
+    fit = nw.identify(short, fixed=fixed)
+    assert {name: fit[name] for name in fixed} == fixed
+    assert {fit.std[name] for name in fixed} == {0.0}
+
+
 @pytest.mark.parametrize(("name", "place"), [("b_rdot", "sway"), ("c_vdot", "yaw")])
 def test_ties_join_bounds(name: str, place: str, short: nw.CaptiveTests) -> None:
     """Of two tied coefficients the tighter bound holds for both, whichever has it."""

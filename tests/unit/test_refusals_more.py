@@ -25,6 +25,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.identify(short_twin(), "sped"), "did you mean 'speed'"),
         (lambda: nw.identify(short_twin(), fixed="b_bank"), "fixed = 'b_bank' has no values by name"),
         (lambda: nw.simulate(DTC, duration=1.0).at("later"), "t = 'later' is not a finite number"),
+        (lambda: DTC.sample(-1), "n = -1: give a whole number from 0"),
         (lambda: nw.compare(short_twin(), [nw.PAPER, nw.PAPER]), "two tables of terms"),
         (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
         (lambda: nw.ensemble(DTC, samples=-1), "from 0"),

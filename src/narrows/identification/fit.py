@@ -173,9 +173,9 @@ class Fit(Scored, BaseResult):
 
     @cached_property
     def std(self) -> dict[str, float]:
-        """Standard error of each coefficient, errors of runs included; NaN where the tests do not determine it."""
-        sizes = zip(self.terms.names, self.estimates.std.tolist(), strict=True)
-        return Named({name: size if self.diagnostics.determined(name) else float("nan") for name, size in sizes})
+        """Standard error of each coefficient with errors of runs; NaN where tests do not determine it, 0 if fixed."""
+        sizes, known = zip(self.terms.names, self.estimates.std.tolist(), strict=True), self.diagnostics.determined
+        return Named({name: size if not size or known(name) else float("nan") for name, size in sizes})
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:

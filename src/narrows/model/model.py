@@ -13,7 +13,7 @@ import numpy as np
 
 import narrows
 from narrows.base.aliases import CANAL, accept_aliases
-from narrows.base.errors import InputError, check_choice, did_you_mean, shown
+from narrows.base.errors import InputError, check_choice, check_count, did_you_mean, shown
 from narrows.base.named_values import Coefficients, Forces
 from narrows.base.results import BaseResult
 from narrows.model.data_range import DataRange, unknown_note
@@ -188,10 +188,13 @@ class Model(Configured, Operations):
     def sample(self, n: int = 100, seed: int = 0) -> "pd.DataFrame":
         """Return ``n`` rows of coefficients, drawn from their covariance as ensembles draw them from a ``seed``.
 
-        ``model.with_coefficients(table.loc[0])`` is the model of a row. Raises an InputError if there is no covariance.
+        ``model.with_coefficients(table.loc[0])`` is the model of a row. Raises an InputError if there is no covariance, or
+        ``n`` or the seed is no whole number from 0.
         """
         import pandas as pd
 
+        for name, value in {"n": n, "seed": seed}.items():
+            check_count(name, value)
         drawn = narrows.simulation.grid.sampled(self, n, seed)
         return pd.DataFrame({name: column.to_numpy() for name, column in drawn.items()})
 
