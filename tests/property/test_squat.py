@@ -26,6 +26,13 @@ def test_the_dtc_at_eight_knots(name: str, value: float) -> None:
     assert sinkage_by(nw.SQUAT[name], DTC, 8 * KNOT) == pytest.approx(value, abs=6e-4)
 
 
+@pytest.mark.parametrize("name", nw.SQUAT)
+def test_a_formula_alone_gives_its_own_sinkage(name: str) -> None:
+    found = nw.squat(DTC, 8 * KNOT, formula=name)
+    assert found.sinkage == pytest.approx(sinkage_by(nw.SQUAT[name], DTC, 8 * KNOT))
+    assert nw.SQUAT[name].gives in found.summary()
+
+
 def test_ratios_by_hand() -> None:
     assert formulas.blockage(51.0, 14.5, 205.0, 24.0) == pytest.approx(0.1473, abs=5e-5)
     assert formulas.depth_froude(8 * KNOT, 24.0) == pytest.approx(0.2682, abs=5e-5)

@@ -151,3 +151,14 @@ def test_trials_and_explanations_go_into_tables(ship_file: Path, tmp_path: Path,
     assert code == 0
     assert "wrote " in out
     assert len(pd.read_csv(tmp_path / "t.csv")) > 2
+
+
+def test_a_heading_between_two_steps_may_pass_north(bend: Path) -> None:
+    voyage = nw.simulate(
+        nw.published(DTC), 0.0, waterway=nw.read_waterway(bend), duration=1.0, x=2.0, psi=-2.0 / 60 - 0.002, r=0.02
+    )
+    told = voyage.dataset().heading_deg.values
+    assert told.max() > 359.0
+    assert told.min() < 1.0
+    between = voyage.at((voyage.t[1:] + voyage.t[:-1]) / 2).heading_deg
+    assert ((between < 1.0) | (between > 359.0)).all()

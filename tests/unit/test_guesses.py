@@ -266,7 +266,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.intervals: .* 95 %"),  # type: ignore[call-arg]
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
-    'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, "bow", "barrass"), "give gives='largest'"),
+    'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, "bow", "barrass"), "leave gives out"),
     "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
     "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]

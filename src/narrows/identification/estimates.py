@@ -158,7 +158,7 @@ def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
 def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:
     """The values within the bounds that are most likely: nearest to the mean by the inverse of the covariance."""
     if ((mean >= bounds[:, 0]) & (mean <= bounds[:, 1])).all() or not covariance.any():
-        return np.clip(mean, *bounds.T)
+        return np.asarray(np.clip(mean, *bounds.T))
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-10, hermitian=True)
     inverse /= np.diag(inverse).max()  # The tolerances of the solver are for a matrix of this size.

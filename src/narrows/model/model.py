@@ -188,8 +188,8 @@ class Model(Configured, Operations):
     def sample(self, n: int = 100, seed: int = 0) -> "pd.DataFrame":
         """Return ``n`` rows of coefficients, drawn from their covariance as ensembles draw them from a ``seed``.
 
-        ``model.with_coefficients(table.loc[0])`` is the model of a row. Raises an InputError if there is no covariance, or
-        ``n`` or the seed is no whole number from 0.
+        ``model.with_coefficients(table.loc[0])`` is the model of a row. Raises an InputError if there is no covariance,
+        or ``n`` or the seed is no whole number from 0.
         """
         import pandas as pd
 

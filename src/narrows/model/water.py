@@ -183,11 +183,11 @@ def squat(
     """
     if formula is not None:
         check_choice("formula", formula, SQUAT)
+    check_choice("gives", gives or "midship", GIVES)
     kind: str = gives or (SQUAT[formula].gives if formula else "midship")
-    check_choice("gives", kind, GIVES)
     if formula is not None and SQUAT[formula].gives != kind:
-        remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
-        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {kind} one; {remedy}")
+        own = SQUAT[formula].gives
+        raise InputError(f"{formula} gives the {own} sinkage, not the {kind} one; leave gives out, or the formula")
     configuration, critical = configuration_of(ship), choke_speed(ship)
     if np.ndim(u) and np.size(u):
         each = [squat(ship, one, gives, formula) for one in np.ravel(u)]

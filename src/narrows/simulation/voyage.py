@@ -124,6 +124,9 @@ class Voyage(Tabulated):
         frame = pd.DataFrame(
             {name: np.interp(t, rows.index, column, np.nan, np.nan) for name, column in rows.items()}, np.atleast_1d(t)
         )
+        if "heading_deg" in frame:  # It jumps at north.
+            turned = np.unwrap(rows["heading_deg"], period=360.0)
+            frame["heading_deg"] = np.interp(t, rows.index, turned, np.nan, np.nan) % 360
         return frame.iloc[0] if np.ndim(t) == 0 else frame.rename_axis("t")
 
     def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
