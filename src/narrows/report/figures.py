@@ -70,8 +70,9 @@ NO_STYLE = (
 
 
 def columns_figure(frame: Any, y: Any = None, x: str | None = None) -> Figure:
-    """Draw columns of a table, a panel for each."""
+    """Draw columns of a table, a panel for each, over time where it rises."""
     frame = frame.reset_index()
+    x = x or ("t" if "t" in frame and frame["t"].is_monotonic_increasing and y != "t" else None)
     names = [y] if isinstance(y, str) else [name for name in y or frame.select_dtypes("number") if name != x]
     for name in (*names, *filter(None, [x])):
         check_choice("column", name, frame.columns)
