@@ -254,9 +254,9 @@ class BaseResult(BaseSummary):
         """Draw it, as a Matplotlib figure: one panel, or its main one, on Axes ``ax`` if given.
 
         With a path for ``ax`` the figure is written there: ``.png``, ``.svg`` or ``.pdf``. Columns of its table for
-        ``ax`` or ``y`` are drawn over the column ``x``, else over time or rows. ``style`` is ``title``, ``figsize``, and
-        for the main line ``label``, ``color`` and the like. Raises an InputError if its kind has no figure, or axes are
-        given and it has several panels without a main one.
+        ``ax`` or ``y`` are drawn over the column ``x``, else over time or rows. ``style`` is ``title``, ``figsize``,
+        and for the main line ``label``, ``color`` and the like. Raises an InputError if its kind has no figure, or axes
+        are given and it has several panels without a main one.
         """
         return narrows.report.figure_of(self, ax, **style)
 
