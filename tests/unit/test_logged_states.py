@@ -84,3 +84,23 @@ def test_a_monitor_does_not_go_back_in_time() -> None:
     with pytest.raises(nw.InputError, match="make a new Monitor for another recording"):
         monitor.run(recorded(sailed()).iloc[:20])
     assert type(monitor.status.t) is float  # type: ignore[union-attr]
+
+
+def test_a_sensor_of_ones_own_needs_a_name_and_a_state() -> None:
+    class Doppler(nw.estimation.Sensor):
+        name = "doppler"
+        state = "u"
+
+    assert (
+        "doppler" in nw.estimation.Estimator(KCS, [nw.estimation.Gnss(), nw.estimation.Gyro(), Doppler(0.1)]).summary()
+    )
+
+    class Nameless(nw.estimation.Sensor):
+        state = "u"
+
+    class Stateless(nw.estimation.Sensor):
+        name = "doppler"
+
+    for sensor in (Nameless(0.1), Stateless(0.1), nw.estimation.Sensor(0.1)):
+        with pytest.raises(nw.InputError, match="is no sensor; give objects such as"):
+            nw.estimation.Estimator(KCS, [nw.estimation.Gnss(), nw.estimation.Gyro(), sensor])

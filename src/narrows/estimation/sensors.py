@@ -61,9 +61,10 @@ class Sensor(Aliased):
     angles: ClassVar[tuple[bool, ...]] = (False,)
     is_linear: ClassVar[bool] = True
     suffixes: ClassVar[tuple[str, ...]] = ("",)  # Ends of the names of the components
-    state: ClassVar[str]  # Name of the state that it measures
+    state: ClassVar[str] = ""  # Name of the state that it measures
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "name", self.name or type(self).name)  # That of a subclass which is no dataclass.
         check_sizes(self, ("noise", "period"), ("noise", "period", "delay", "bias"))
 
     @cached_property
@@ -251,10 +252,13 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
         raise InputError(f"sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one, then {records}")
     found: dict[str, Any] = {}
     for sensor in sensors:
-        if type(sensor) is Sensor or not isinstance(sensor, Sensor | RudderIndicator):
+        has_state = not isinstance(sensor, Sensor) or sensor.state or type(sensor).measured is not Sensor.measured
+        if not isinstance(sensor, Sensor | RudderIndicator) or not (sensor.name and has_state):
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
             known = ", ".join(f"{kind.__name__}()" for kind in SENSORS.values())
-            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own subclass of Sensor")
+            raise InputError(
+                f"{what} is no sensor; give objects such as {known}, or of a named subclass of Sensor with a state"
+            )
         if sensor.name in found:
             raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")
         found[sensor.name] = sensor

@@ -66,7 +66,7 @@ def _finite(name: str, value: Any) -> float:
     if not math.isfinite(number):
         state = name == "x" and isinstance(value, list | tuple | np.ndarray)
         hint = "; x is the place along the canal [m], and a state is given by name: y=0.5, u=1.0, psi=0.0" * state
-        several = "; nw.ensemble takes several" * isinstance(value, list | tuple | np.ndarray)
+        several = "; for several take a loop, or nw.ensemble" * isinstance(value, list | tuple | np.ndarray)
         steered = "; controller=... takes a function of time and state" * callable(value)
         raise InputError(f"{name} = {shown(value)} must be a finite number{hint or several or steered}")
     if not abs(number) < LARGEST:
