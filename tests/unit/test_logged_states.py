@@ -87,14 +87,6 @@ def test_a_monitor_does_not_go_back_in_time() -> None:
 
 
 def test_a_sensor_of_ones_own_needs_a_name_and_a_state() -> None:
-    class Doppler(nw.estimation.Sensor):
-        name = "doppler"
-        state = "u"
-
-    assert (
-        "doppler" in nw.estimation.Estimator(KCS, [nw.estimation.Gnss(), nw.estimation.Gyro(), Doppler(0.1)]).summary()
-    )
-
     class Nameless(nw.estimation.Sensor):
         state = "u"
 

@@ -64,7 +64,6 @@ class Sensor(Aliased):
     state: ClassVar[str] = ""  # Name of the state that it measures
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "name", self.name or type(self).name)  # That of a subclass which is no dataclass.
         check_sizes(self, ("noise", "period"), ("noise", "period", "delay", "bias"))
 
     @cached_property
@@ -257,7 +256,7 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
             known = ", ".join(f"{kind.__name__}()" for kind in SENSORS.values())
             raise InputError(
-                f"{what} is no sensor; give objects such as {known}, or of a named subclass of Sensor with a state"
+                f"{what} is no sensor; give objects such as {known}, or of your own dataclass of kind Sensor, with name: str and state"
             )
         if sensor.name in found:
             raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")
