@@ -256,7 +256,8 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
             known = ", ".join(f"{kind.__name__}()" for kind in SENSORS.values())
             raise InputError(
-                f"{what} is no sensor; give objects such as {known}, or of your own dataclass of kind Sensor, with name: str and state"
+                f"{what} is no sensor; give objects such as {known}, or of your own dataclass of kind "
+                "Sensor, with name: str and state"
             )
         if sensor.name in found:
             raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")
