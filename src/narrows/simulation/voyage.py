@@ -24,7 +24,6 @@ from narrows.ship.particulars import Configuration
 from narrows.simulation import initial_state as steps
 from narrows.simulation import inputs
 from narrows.simulation import outcome as end
-from narrows.simulation.grid import labelled
 from narrows.simulation.outcome import Code, Outcome, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip, points_of, steering_of
@@ -119,6 +118,8 @@ class Voyage(Tabulated):
     def at(self, t: Any) -> "pd.Series[float] | pd.DataFrame":
         """Return the state at a time ``t`` [s] or several, interpolated linearly; an InputError if it is no number."""
         import pandas as pd
+
+        from narrows.simulation.grid import labelled  # xarray loads slowly
 
         t, rows = labelled("t", t).to_numpy(), self.to_dataframe().set_index("t")
         frame = pd.DataFrame(
