@@ -11,7 +11,7 @@ import pandas as pd
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.captive.formats import BANKS, WALL
+from narrows.captive.columns import BANKS, WALL
 from narrows.captive.measured import measured_files
 from narrows.model.water import limits_left, sinkage_by
 

@@ -54,12 +54,12 @@ from .model.bank_force import BankForce as BankForce
 from .model.bank_force import bank_force as bank_force
 from .model.data_range import DataRange as DataRange
 from .model.derived_models import DepthCorrected as DepthCorrected
+from .model.derived_models import Scaled as Scaled
 from .model.derived_models import at_depth as at_depth
 from .model.derived_models import borrow_rudder as borrow_rudder
+from .model.derived_models import nondimensional as nondimensional
+from .model.derived_models import scale_model as scale_model
 from .model.derived_models import with_transverse_thrust as with_transverse_thrust
-from .model.froude import Scaled as Scaled
-from .model.froude import nondimensional as nondimensional
-from .model.froude import scale_model as scale_model
 from .model.model import Model as Model
 from .model.sections import Source as Source
 from .model.sections import load_model as load_model

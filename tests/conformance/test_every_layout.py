@@ -1,4 +1,4 @@
-"""Every layout of ``captive/formats.py``: its sample is its own and no other's, and becomes tests in SI."""
+"""Every layout of ``captive/columns.py``: its sample is its own and no other's, and becomes tests in SI."""
 
 from pathlib import Path
 
@@ -7,8 +7,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive.columns import COLUMNS
-from narrows.captive.formats import LAYOUTS, Dtc, Layout, translated
+from narrows.captive.columns import COLUMNS, LAYOUTS, Dtc, Layout, translated
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of

@@ -9,7 +9,7 @@ from hypothesis import given
 from strategies import STATES, numbers
 
 import narrows as nw
-from narrows.model.froude import SYSTEMS, name_at_scale, units_of
+from narrows.model.derived_models import SYSTEMS, name_at_scale, units_of
 from narrows.model.tables import table_named
 from narrows.model.water import ittc57
 
@@ -51,7 +51,7 @@ def test_a_term_has_the_dimension_that_it_says(
     dtc: nw.Model, table: str, mass: float, length: float, time: float, state: dict[str, float]
 ) -> None:
     """In other units of mass, length and time, coefficient times regressor is the same force."""
-    from narrows.model.froude import Units
+    from narrows.model.derived_models import Units
 
     units = Units(mass, length, time)
     exponents = {

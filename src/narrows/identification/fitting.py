@@ -24,7 +24,7 @@ from narrows.identification.systematic_effects import RunErrors
 from narrows.identification.verdict import NOT_SEPARABLE, unmodelled_rudder
 from narrows.model.additions import pooled
 from narrows.model.data_range import extrapolation
-from narrows.model.froude import scale_model
+from narrows.model.derived_models import scale_model
 from narrows.model.model import Model
 from narrows.model.tables import BARE, FORMS, OPEN_WATER, PAPER, STEERED, table_named
 from narrows.model.term import TermTable

@@ -25,7 +25,7 @@ from narrows.identification.normal_equations import ONE, NormalEquations, accumu
 from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.identification.verdict import Diagnostics
 from narrows.model.data_range import DataRange
-from narrows.model.froude import scale_model
+from narrows.model.derived_models import scale_model
 from narrows.model.model import Model
 from narrows.model.tables import PAPER, with_bank
 from narrows.model.term import TermTable

@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
     from narrows.identification import Explanation, Fit
     from narrows.identification.bank_summary import BankSummary
     from narrows.identification.plan import Plan
-    from narrows.model.froude import Scaled
+    from narrows.model.derived_models import Scaled
     from narrows.model.model import Model
     from narrows.simulation.manoeuvring_trials import Trials
     from narrows.waterway import Waterway

@@ -18,7 +18,7 @@ from narrows.model.model import Model
 from narrows.model.term import TermKind
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation import settings
-from narrows.simulation.grid import AliasedDataset, Grid, attributes_of, empty_of, grid_of, labelled, sizes_of
+from narrows.simulation.grid import NOT_RUN, AliasedDataset, Grid, attributes_of, grid_of, labelled, sizes_of
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
 from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
@@ -133,7 +133,9 @@ def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None
 
 def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -> tuple[Result, bool]:
     shape = tuple(grid.sizes.values())
-    kept: Result = {name: np.full(shape, empty_of(kind), kind) for name, kind in OUTPUTS.items()}
+    kept: Result = {
+        name: np.full(shape, NOT_RUN if kind is np.int8 else np.nan, kind) for name, kind in OUTPUTS.items()
+    }
     with bar(grid.vessels, progress) as advance:
         try:
             for block in grid.blocks(settings.BLOCK_VESSELS):

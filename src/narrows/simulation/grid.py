@@ -197,10 +197,6 @@ NOT_RUN = -1
 UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
 
 
-def empty_of(kind: type) -> Any:
-    return NOT_RUN if issubclass(kind, np.integer) else np.nan
-
-
 def attributes_of(name: str) -> dict[str, Any]:
     """Units, and the meaning of codes by the CF conventions."""
     if name == "outcome":

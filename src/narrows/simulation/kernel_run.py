@@ -24,7 +24,7 @@ from narrows.simulation.controllers import WithoutMemory
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
-from narrows.simulation.ship import PARAMETER, Channel, SimulatedShip, Steering, across_of, steering_of
+from narrows.simulation.ship import PARAMETER, Channel, SimulatedShip, Steering, steering_of
 from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
@@ -179,7 +179,8 @@ class KernelRun:
             pushed = "until"
         elif any(np.any(values[name]) for name in INPUTS):
             pushed = "always"
-        across: Across = "uniform" if free_motion.CURRENT_ACROSS in values else across_of(self.waterway)
+        field = self.waterway is not None and self.waterway.has_current_field
+        across: Across = "uniform" if free_motion.CURRENT_ACROSS in values else "field" if field else "none"
         law = self.steering.law if self.steering else None
         return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
 

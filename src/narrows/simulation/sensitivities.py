@@ -59,13 +59,10 @@ class Sensitivities(BaseResult):
         slope: np.ndarray = self.slopes[:, POSE.index(state), self.by.index(by)]
         return slope
 
-    def for_one_percent(self) -> dict[str, float]:
-        """Return the change of y at the end [m] per 1 % increase of each quantity, the largest first."""
-        moved = {name: 0.01 * self.values[name] * float(self.of("y", name)[-1]) for name in self.by}
-        return dict(sorted(moved.items(), key=lambda item: -abs(item[1])))
-
     def summary(self) -> str:
-        most = [f"{name} {moved:+.3g} m" for name, moved in self.for_one_percent().items() if moved][:3]
+        changes = [(0.01 * self.values[name] * float(self.of("y", name)[-1]), name) for name in self.by]
+        largest = sorted(changes, key=lambda change: -abs(change[0]))[:3]
+        most = [f"{name} {moved:+.3g} m" for moved, name in largest if moved]
         sentence = f"One percent more of each moves it by then to starboard by: {', '.join(most)}." if most else ""
         return "\n".join(filter(None, (self.voyage.summary(), sentence)))
 

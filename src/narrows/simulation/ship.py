@@ -94,11 +94,6 @@ def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
     return known if known.ndim else float(known), np.atleast_1d(choking < touching)
 
 
-def across_of(waterway: "Waterway | None") -> Across:
-    """Return where a waterway has a current across, or a shear."""
-    return "field" if waterway is not None and waterway.has_current_field else "none"
-
-
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
     from narrows.waterway.waterway import STEPS_A_BEAM
 
