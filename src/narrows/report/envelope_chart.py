@@ -73,7 +73,15 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     axes.set_ylim(u[0] - _half(u), u[-1] + _half(u))
     axes.grid(alpha=0.3)
     _draw_banks(axes, envelope)
-    return [*_speed_legend(), *handles]
+    return [
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe with 95 % probability, same pilot for all cases"),
+        Patch(facecolor=PALER, edgecolor=BLUE, lw=0.9, label="by a pilot with the true coefficients"),
+        Line2D([], [], color=BLACK, ls="--", lw=1.0, label="safe in half of the cases"),
+        Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
+        Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
+        Line2D([], [], color=BLACK, ls=":", lw=1.0, label="95 % interval of the edge"),
+        *handles,
+    ]
 
 
 def _line(
@@ -121,17 +129,6 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     if envelope.untested or not data["tested"].all():
         handles.append(Patch(fc="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"))
     return handles
-
-
-def _speed_legend() -> list[Any]:
-    return [
-        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe with 95 % probability, same pilot for all cases"),
-        Patch(facecolor=PALER, edgecolor=BLUE, lw=0.9, label="by a pilot with the true coefficients"),
-        Line2D([], [], color=BLACK, ls="--", lw=1.0, label="safe in half of the cases"),
-        Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
-        Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
-        Line2D([], [], color=BLACK, ls=":", lw=1.0, label="95 % interval of the edge"),
-    ]
 
 
 def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:

@@ -15,7 +15,6 @@ from narrows.base.files import PICTURES, save_figure
 from narrows.control import LinearSystem
 from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
-from narrows.identification import Fit
 from narrows.identification.plan import Plan
 from narrows.logbook.ship_log import SIGNALS, ShipLog
 from narrows.logbook.steady_legs import SteadyPlan
@@ -82,15 +81,6 @@ def columns_figure(frame: Any, y: Any = None, x: str | None = None) -> Figure:
         panel.set_ylabel(name)
     axes[-1, 0].set_xlabel(x or "row")
     return figure
-
-
-def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
-    fitted = [name for name, terms in fit.terms.forces.items() if terms]
-    if force is not None:
-        check_choice("force", force, fitted)
-        fitted = [force]
-    with drawing_on(axes):
-        return fit_figures.force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
 
 
 def track_figure(track: EstimatedTrack) -> Figure:
@@ -225,8 +215,8 @@ FIGURES: dict[str, Callable[[Any], Figure]] = {
     "Voyage": voyage_figures.voyage_figure,
     "Waterway": voyage_figures.waterway_figure,
     "Trials": voyage_figures.manoeuvres_figure,
-    "Turning": voyage_figures.turning_figure,
-    "ZigzagTest": voyage_figures.zigzag_figure,
+    "Turning": voyage_figures.manoeuvre_figure,
+    "ZigzagTest": voyage_figures.manoeuvre_figure,
     "Jacobian": eigenvalues_figure,
     "LinearSystem": eigenvalues_figure,
     "SafeEnvelope": envelope_chart.envelope_chart,

@@ -3,17 +3,17 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from narrows.base.errors import check_choice
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.identification.verdict import IDENTIFIED, Diagnosis
+from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.quantities.names import FORCES
 from narrows.report.colours import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE
-from narrows.report.style import FORCE_LABELS, panels
+from narrows.report.style import FORCE_LABELS, drawing_on, panels
 from narrows.ship.particulars import Configuration
 
 ROWS = "row of the table [1]; dashed: test boundaries"
@@ -39,9 +39,15 @@ def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     return figure
 
 
-def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
+def residuals_figure(fit: Fit, given: Axes | None = None, force: str | None = None) -> Figure:
+    forces = [name for name, terms in fit.terms.forces.items() if terms]
+    if force is not None:
+        check_choice("force", force, forces)
+        forces = [force]
+    forces = forces if given is None else forces[:1]
     estimates, residuals = fit.predict(), fit.residuals
-    figure, axes = panels(len(forces), 1, 0.5 + 1.9 * len(forces))
+    with drawing_on(given):
+        figure, axes = panels(len(forces), 1, 0.5 + 1.9 * len(forces))
     for panel, force in zip(axes[:, 0], forces, strict=True):
         for test, own in residuals[force].groupby(level="test", sort=False):
             panel.plot(estimates[force].xs(test, level="test"), own, ".", markersize=2, alpha=0.5)
@@ -123,27 +129,21 @@ def correlation_figure(fit: Fit) -> Figure:
     overall = fit.diagnostics.overall
     sizes = [max(4, len(d.names)) for d in overall.values()]
     figure, axes = panels(1, len(overall), 3.3, "", width_ratios=sizes)
-    image = None
     for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
-        image = _matrix(panel, diagnosis)
+        values, names = diagnosis.correlation, diagnosis.names
+        panel.set_facecolor("#DDDDDD")
+        for (i, j), value in np.ndenumerate(values):
+            text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
+            ink = "white" if abs(value) > 0.7 else "black"
+            panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=ink)
+        panel.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
+        panel.set_yticks(range(len(names)), names, fontsize=7)
+        image = panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
         condition = f"{diagnosis.condition:.0f}" if np.isfinite(diagnosis.condition) else "∞"
-        rank = f"{force}: rank {diagnosis.rank} of {len(diagnosis.names)}"
+        rank = f"{force}: rank {diagnosis.rank} of {len(names)}"
         panel.set_title(f"{rank},\ncondition {condition}", fontsize=8, y=1.0)
-    if image is not None:
-        figure.colorbar(image, ax=axes[0].tolist(), label="correlation [1]", shrink=0.7, aspect=40)
+    figure.colorbar(image, ax=axes[0].tolist(), label="correlation [1]", shrink=0.7, aspect=40)
     return figure
-
-
-def _matrix(panel: Axes, diagnosis: Diagnosis) -> AxesImage:
-    values, names = diagnosis.correlation, diagnosis.names
-    panel.set_facecolor("#DDDDDD")
-    for (i, j), value in np.ndenumerate(values):
-        text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
-        ink = "white" if abs(value) > 0.7 else "black"
-        panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=ink)
-    panel.set_xticks(range(len(names)), names, rotation=90, fontsize=7)
-    panel.set_yticks(range(len(names)), names, fontsize=7)
-    return panel.imshow(values, cmap="PuOr", vmin=-1, vmax=1)
 
 
 def comparison_figure(result: Comparison | Explanation) -> Figure:

@@ -352,17 +352,13 @@ def manoeuvres_figure(trials: Trials) -> Figure:
     return figure
 
 
-def turning_figure(circle: Turning) -> Figure:
-    figure, axes = panels(1, 1, 4.2)
-    _circles_on(axes[0, 0], {circle.summary().partition(":")[0].lower(): circle})
-    notes_below(figure, circle.notes)
-    return figure
-
-
-def zigzag_figure(test: ZigzagTest) -> Figure:
-    figure, axes = panels(1, 1, 3.2)
-    _zigzags_on(axes[0, 0], {"": test})
-    notes_below(figure, test.notes)
+def manoeuvre_figure(result: Turning | ZigzagTest) -> Figure:
+    figure, ((axes,),) = panels(1, 1, 4.2 if isinstance(result, Turning) else 3.2)
+    if isinstance(result, Turning):
+        _circles_on(axes, {result.summary().partition(":")[0].lower(): result})
+    else:
+        _zigzags_on(axes, {"": result})
+    notes_below(figure, result.notes)
     return figure
 
 
