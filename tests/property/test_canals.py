@@ -12,9 +12,8 @@ from strategies import numbers
 import narrows as nw
 from narrows.ship.particulars import keel_wall
 from narrows.waterway import Bank, Centreline, Waterway
-from narrows.waterway.from_chart import read_chart, waterway_from_chart
 from narrows.waterway.geojson import read_line
-from narrows.waterway.map_lines import unprojected
+from narrows.waterway.map_lines import read_chart, unprojected, waterway_from_chart
 from s57 import CANAL_BANK, COASTLINE, DEPTH_AREA, INLAND_DEPTH_AREA, SHORE_AREA, Cell
 
 DTC = nw.published("mikkelsen2025_dtc")

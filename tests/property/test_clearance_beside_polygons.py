@@ -14,7 +14,7 @@ from strategies import numbers
 import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
 from narrows.waterway import bank_clearance as clearance_text
-from narrows.waterway.bank_clearance import PORT_BANK, STARBOARD_BANK, exact_clearance, line_pose
+from narrows.waterway.bank_clearance import PORT_BANK, ROW, STARBOARD_BANK, exact_clearance, line_pose
 from narrows.waterway.waterway import WaterwayTable, least_walls, tabulate
 
 STEPS_A_BEAM = 4  # the step that the docs recommend: a quarter of the beam
@@ -93,7 +93,7 @@ def hull(table: WaterwayTable, pose: Pose, outline: np.ndarray) -> tuple[np.ndar
 
 def bank_beside(table: WaterwayTable, pose: Pose, column: int):
     near = np.abs(np.pad(table.s, 1, mode="reflect", reflect_type="odd") - pose.s) <= REACH
-    return shapely.LineString(table.nodes[near, column : column + 2])
+    return shapely.LineString(table.track.reshape(-1, ROW)[near, column : column + 2])
 
 
 def moved(points: np.ndarray, way: np.ndarray, far: float):
@@ -187,7 +187,7 @@ def test_the_line_goes_on_from_cell_to_cell(table: WaterwayTable, share: float) 
     node = int(share * (len(table.s) - 2)) + 1
     near, past = (line_pose(table.track, table.step, node * table.step + d) for d in (-1e-9, 1e-9))
     np.testing.assert_allclose(near[:4], past[:4], atol=3e-9)
-    np.testing.assert_allclose(past[:2], table.nodes[node + 1, :2], atol=3e-9)
+    np.testing.assert_allclose(past[:2], table.track.reshape(-1, ROW)[node + 1, :2], atol=3e-9)
 
 
 SMOOTH = {
@@ -274,7 +274,8 @@ def test_a_tables_map_is_the_waterways() -> None:
     way = sloped()
     table = tabulate(way, 10.0, 8.0)
     near, far = np.arange(0, len(table.s) - 29), np.arange(29, len(table.s))
-    on_table = np.linalg.norm(table.nodes[far + 1, 5:7] - table.nodes[near + 1, 7:9], axis=1)
+    nodes = table.track.reshape(-1, ROW)
+    on_table = np.linalg.norm(nodes[far + 1, 5:7] - nodes[near + 1, 7:9], axis=1)
     starboard, port = way.line.at(table.s, table.keel_starboard), way.line.at(table.s, -table.keel_port)
     np.testing.assert_allclose(on_table, np.linalg.norm(starboard[far] - port[near], axis=1), atol=0.01)
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from strategies import numbers
 
 import narrows as nw
-from narrows.waterway.from_chart import Chart, waterway_from_chart
 from narrows.waterway.geojson import read_line
-from narrows.waterway.map_lines import unprojected
+from narrows.waterway.map_lines import Chart, unprojected, waterway_from_chart
 
 NORTH = np.linspace(-1000, 1000, 5)
 PROFILE = [[0.0, 0.0], [30.0, 20.0]]

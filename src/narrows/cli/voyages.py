@@ -286,6 +286,6 @@ def _made(
         return result, smoothed * bool(moved > SAME_PLACE)
     if line is None:
         return nw.read_waterway(file, depth=depth), ()
-    from narrows.waterway.from_chart import read_chart, waterway_from_chart
+    from narrows.waterway.map_lines import read_chart, waterway_from_chart
 
     return waterway_from_chart(read_chart(file), read_line(line), reach), ()

@@ -52,12 +52,6 @@ def key_of(parts: Iterable[object]) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def cache_folder() -> Path:
-    """Return the folder of generated modules: in the user's cache folder, or where the environment variable says."""
-    chosen = os.environ.get(FOLDER_VARIABLE)
-    return (Path(chosen) if chosen else user_cache_folder()) / "compiled"
-
-
 def user_cache_folder() -> Path:
     home = Path("~").expanduser()
     if sys.platform == "win32":
@@ -70,7 +64,8 @@ def user_cache_folder() -> Path:
 def import_generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module; make it if no process has made it before."""
     # A damaged file is made again. Where the folder cannot be written, the module is kept in memory.
-    path = cache_folder() / f"{name}_{key_of(parts)}.py"
+    folder = Path(os.environ.get(FOLDER_VARIABLE) or user_cache_folder())
+    path = folder / "compiled" / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:
             text = _read(path)

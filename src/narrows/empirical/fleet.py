@@ -79,18 +79,15 @@ def table_of_ships(names: Iterable[str]) -> "pd.DataFrame":
     """Return a row for each model file or published name."""
     import pandas as pd
 
-    rows = {name: _row(name, model_named(name)) for name in names}
+    rows = {}
+    for name, model in ((name, model_named(name)) for name in names):
+        ship = model.configuration.ship
+        rows[name] = {
+            "ship": ship.name,
+            **{size: getattr(ship, size) for size in ("length", "beam", "draft", "block_coefficient")},
+            "rudder": any(term.kind is TermKind.RUDDER for term in model.terms.terms),
+            "banks": model.has_bank,
+            "measured": "nothing of this ship" if model.source.estimate else "captive tests",
+            "source": ESTIMATED[name]["source"] if name in ESTIMATED else model.source.text,
+        }
     return pd.DataFrame.from_dict(rows, orient="index").rename_axis("name")
-
-
-def _row(name: str, model: Model) -> dict[str, object]:
-    ship, terms = model.configuration.ship, model.terms
-    source = ESTIMATED[name]["source"] if name in ESTIMATED else model.source.text
-    return {
-        "ship": ship.name,
-        **{size: getattr(ship, size) for size in ("length", "beam", "draft", "block_coefficient")},
-        "rudder": any(term.kind is TermKind.RUDDER for term in terms.terms),
-        "banks": model.has_bank,
-        "measured": "nothing of this ship" if model.source.estimate else "captive tests",
-        "source": source,
-    }

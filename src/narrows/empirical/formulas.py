@@ -316,11 +316,6 @@ def wake(hull: Hull) -> float:
     return 0.5 * float(hull.block_coefficient) - 0.05
 
 
-def rudder_force_increase(hull: Hull) -> float:
-    """Return a_H: geometric mean of Yoshimura and Masumoto (2012) and Quadvlieg (2013)."""
-    return math.sqrt(3.6 * float(hull.fullness) * max(0.627 * float(hull.block_coefficient) - 0.153, 0.05))
-
-
 RUDDER_SURGE = 0.61  # 1 - t_R, Yoshimura and Masumoto (2012); KVLCC2 has 0.613
 RUDDER_PLACE, INCREASE_PLACE = 0.5, 0.45  # -x_R', -x_H' [1]; x_H' of Aoki et al. (2006)
 

@@ -172,7 +172,8 @@ def _assembled(
 ) -> tuple[dict[str, float], np.ndarray]:
     """Return coefficients and covariance in the order of the terms; tied coefficients share one error."""
     terms = table_named(TABLE)
-    increase = 1 + formulas.rudder_force_increase(hull)
+    # 1 + a_H: geometric mean of Yoshimura and Masumoto (2012) and Quadvlieg (2013)
+    increase = 1 + math.sqrt(3.6 * hull.fullness * max(0.627 * hull.block_coefficient - 0.153, 0.05))
     lever = formulas.RUDDER_PLACE + (increase - 1) * formulas.INCREASE_PLACE
     values = {
         "X_mass": 1.0, "X_thrust": 1 - formulas.thrust_deduction(hull), "X_rudder": formulas.RUDDER_SURGE,

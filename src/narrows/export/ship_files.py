@@ -15,9 +15,9 @@ from narrows.codegen.free_motion import AFLOAT_SPEED, COLUMNS, COUNTED, INPUTS, 
 from narrows.codegen.kernels import event, single
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import FUNCTIONS, Lines, Program, real, straight_lines
-from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
+from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block
 from narrows.codegen.printers.latex import Equations, environment
-from narrows.codegen.printers.python import PlainSource
+from narrows.codegen.printers.python import PlainSource, polynomials
 from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab, PythonFile, Translation
 from narrows.codegen.trace import trace_of_terms
 from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
@@ -156,7 +156,7 @@ def rendered(template: str, exported: ExportedShip, language: Language, **contex
 def c_text(exported: ExportedShip) -> str:
     language = C(exported.prefix)
     bodies = {**bodies_of(exported, language), "step_block": "\n    ".join(_block(exported))}
-    lanes = lane_functions() if "_lane_" in bodies["step_block"] else {}
+    lanes = polynomials() if "_lane_" in bodies["step_block"] else {}
     return rendered(
         "model.h.j2", exported, language, f=bodies, lanes=lanes, water=water_of(exported, language),
         **translated(exported, partial(CTranslation, prefix=exported.prefix)),

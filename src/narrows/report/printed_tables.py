@@ -208,7 +208,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             words += f"; {name} {least:.4g} m at {at:.0f} m"
     if bend := waterway.sharpest_bend:
         extremes["sharpest"] = dict(zip(("radius", "at", "over"), bend, strict=True))
-    drawn = {bank.side: bank.drawn.corners[[0, -1]] for bank in (waterway.starboard, waterway.port) if bank.drawn}
+    drawn = {bank.side: bank.s[[0, -1]] for bank in (waterway.starboard, waterway.port) if bank.drawn}
     notes = [
         f"The {side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of {length:.0f} m; beyond, "
         "its distance is assumed constant."

@@ -73,22 +73,6 @@ class Normals:
         return np.asarray(ahead @ self.points.T <= (position * ahead).sum(axis=1, keepdims=True))
 
 
-@dataclass(frozen=True)
-class DrawnBank:
-    """A bank from its own line: at each place its distance is where the centreline's normal first meets it."""
-
-    normals: Normals
-    # (m,) Places where normals pass from one piece to another, and the ends of the seen part [m]
-    corners: np.ndarray
-    pieces: np.ndarray  # (m - 1,) Piece of the line between each two of them
-
-    def distance(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the distance of the bank [m]; constant beyond the drawn part."""
-        s = np.clip(s, self.corners[0], self.corners[-1])
-        piece = np.searchsorted(self.corners, s, "right") - 1
-        return self.normals.met(s, self.pieces[np.clip(piece, 0, len(self.pieces) - 1)])
-
-
 def refuse_crossing(side: str, s: np.ndarray, wrong: np.ndarray) -> None:
     if wrong.any():
         along = float(s[int(wrong.argmax())])
@@ -117,9 +101,10 @@ class Bank:
     #: Points of a slope or of steps: distance beyond the bank's line, and height above the bottom, outward from the
     #: toe [m]; default: a vertical wall
     profile: tuple[Point, ...] = ()
-    #: Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
-    #: corners
-    drawn: DrawnBank | None = None
+    #: Its own line on a map, if known: it gives the distance at every place, where the normals first meet it
+    drawn: Normals | None = None
+    #: (n - 1,) Piece of that line that the normals between each two places of ``s`` meet
+    pieces: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         refuse_crossing(self.side, np.asarray(self.s), ~(np.asarray(self.distance) > 0))
@@ -152,9 +137,11 @@ class Bank:
 
     def at(self, s: np.ndarray | float) -> np.ndarray:
         """Return the distance [m] at places [m]; constant beyond the ends of the bank."""
-        if self.drawn is not None:
-            return self.drawn.distance(s)
-        return np.asarray(np.interp(s, self.s, self.distance))
+        if self.drawn is None or self.pieces is None:
+            return np.asarray(np.interp(s, self.s, self.distance))
+        s = np.clip(s, self.s[0], self.s[-1])
+        piece = np.searchsorted(self.s, s, "right") - 1
+        return self.drawn.met(s, self.pieces[np.clip(piece, 0, len(self.pieces) - 1)])
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:
@@ -167,8 +154,8 @@ def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: t
     known = chords(distinct)
     s, n = line.locate(along_chords(distinct, np.union1d(np.linspace(0, 1, ALONG), known / known[-1])))
     refuse_crossing(side, s, (s > 0) & (s < line.length) & ~(n * normals.sign > 0))
-    drawn = DrawnBank(normals, *seen_pieces(normals, side))
-    return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)
+    corners, pieces = seen_pieces(normals, side)
+    return Bank(side, corners, normals.met(corners, np.append(pieces, pieces[-1])), profile, normals, pieces)
 
 
 def seen_pieces(normals: Normals, side: str, reach: float = np.inf) -> tuple[np.ndarray, np.ndarray]:

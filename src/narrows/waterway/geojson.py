@@ -17,7 +17,7 @@ from narrows.waterway import map_lines
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room
 from narrows.waterway.map_lines import ROLES, Feature, origin_of, projected
-from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Waterway, even_waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
@@ -90,9 +90,7 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
         raise InputError(f"a width of {width:g} m is none of a waterway; give metres over 0")
     origin = origin_of(points)
     line = line_with_room(projected(points, origin), width / 2)
-    ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
-    starboard, port = (Bank(side, ends, half) for side in ROLES[1:])
-    return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=tuple(origin.tolist()))
+    return even_waterway(line, width, depth, name, tuple(origin.tolist()))
 
 
 def farthest(waterway: Waterway, points: np.ndarray) -> float:
@@ -129,7 +127,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
 def _drawn(bank: Bank, sign: int, line: Centreline) -> np.ndarray:
     """Points of a bank on the map: its own, or points close enough for the chords of a bend."""
     if bank.drawn is not None:
-        return bank.drawn.normals.points
+        return bank.drawn.points
     sharpest = np.abs(line.curvature(line.fine)).max()
     count = int(np.ceil(line.length * np.sqrt(sharpest / (8 * CHORD)))) + 1
     s = np.union1d(np.clip(bank.s, 0, line.length), np.linspace(0, line.length, count + 1))

@@ -279,9 +279,16 @@ def straight_waterway(canal: Canal, length: float = 10_000.0, heading: float = 0
     if not length > 0:
         raise InputError(f"the length of a waterway must be positive, not {length} m")
     ends = np.array([[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]])
-    s, half = np.array([0.0, length]), np.full(2, canal.width / 2)
-    depths = None if canal.depth is None else (s, np.full(2, canal.depth))
-    return Waterway(Centreline(ends), Bank("starboard", s, half), Bank("port", s, half), depths, name="canal")
+    return even_waterway(Centreline(ends), canal.width, canal.depth)
+
+
+def even_waterway(
+    line: Centreline, width: float, depth: float | None, name: str = "canal", origin: tuple[float, float] | None = None
+) -> Waterway:
+    ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
+    depths = None if depth is None else (ends, np.full(2, depth))
+    starboard, port = (Bank(side, ends, half) for side in ("starboard", "port"))
+    return Waterway(line, starboard, port, depths, name=name, origin=origin)
 
 
 @dataclass(frozen=True)
@@ -305,8 +312,8 @@ class WaterwayTable:
         return float(self.s[-1]) / (len(self.s) - 1)
 
     @cached_property
-    def nodes(self) -> np.ndarray:
-        """Nodes of line and banks in the table's own frame, (n + 2, 9): see ``narrows.waterway.bank_clearance.ROW``."""
+    def track(self) -> np.ndarray:
+        """Nodes of line and banks in the table's own frame, (n + 2) * 9: ``narrows.waterway.bank_clearance.ROW``."""
         # The origin and forward axis are those of the first node. The first row and the last are far beyond the ends,
         # where line and banks are straight.
         far = self.s[-1] + 100 * max(self.keel_starboard.max(), self.keel_port.max())
@@ -318,11 +325,7 @@ class WaterwayTable:
         line = np.concatenate([beyond[:1], line, beyond[1:]])
         walls = np.pad(np.stack([self.keel_starboard, -self.keel_port], axis=1), ((1, 1), (0, 0)), mode="edge")
         banks = [line[:, :2] + wall[:, None] * line[:, [3, 2]] * [-1, 1] for wall in walls.T]
-        return np.concatenate([line, *banks], axis=1)
-
-    @cached_property
-    def track(self) -> np.ndarray:
-        return np.ascontiguousarray(self.nodes).reshape(-1)
+        return np.concatenate([line, *banks], axis=1).reshape(-1)
 
 
 def least_walls(table: WaterwayTable, outline: np.ndarray) -> np.ndarray:

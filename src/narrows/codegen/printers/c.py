@@ -3,14 +3,12 @@
 import ast
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from math import factorial
 from typing import ClassVar
 
 import sympy
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import LaneLoops, Lines, asked_by, rounds
-from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS, horner
 from narrows.codegen.printers.translation import Language, Translation
 
 # Functions of <math.h> by their names in lines and plain functions.
@@ -137,17 +135,10 @@ CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
 
 
 class BlockC(C):
-    """C in loops over lanes: sine, cosine and exponential are the polynomials of ``lane_functions``."""
+    """C in loops over lanes: sine, cosine and exponential are ``polynomials``."""
 
     def called(self, name: str, *arguments: str) -> str:
         return super().called(f"lane_{name}" if name in ("sine", "cosine", "exp") else name, *arguments)
-
-
-def lane_functions() -> dict[str, str]:
-    """Return the polynomial of each function of ``BlockC``, in q, or r for the exponential."""
-    sine, cosine = ([(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)] for first in (1, 0))
-    exponential = [1 / factorial(k) for k in range(EXPONENTIAL_DEGREE + 1)]
-    return {"sine": horner("q", sine), "cosine": horner("q", cosine), "exp": horner("r", exponential)}
 
 
 def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: C, lanes: str) -> list[str]:

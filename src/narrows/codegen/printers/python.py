@@ -230,9 +230,9 @@ def exp(x):
     x = min(max(x, -708.0), 709.0)
     shifted = x * 1.4426950408889634 + 6755399441055744.0
     whole = shifted - 6755399441055744.0
-    rest = x - whole * 0.6931471803691238 - whole * 1.9082149292705877e-10
+    r = x - whole * 0.6931471803691238 - whole * 1.9082149292705877e-10
     power = np.int64((real(shifted).view(np.int64) + 1023) << 52)
-    return ({exponential}) * power.view(real)
+    return ({exp}) * power.view(real)
 
 
 def sine(a):
@@ -261,13 +261,16 @@ def angle(cosine, sine):
 
 def module_text(cells: int, *parts: str) -> str:
     """Write a module that may call the elementary functions; ``cells`` is the width of a waterway's table."""
-    sine, cosine = (horner("q", [(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)]) for first in (1, 0))
-    exponential = horner("rest", [1 / factorial(power) for power in range(EXPONENTIAL_DEGREE + 1)])
-    head = HEADER.format(
-        version=version("narrows"), cells=cells, exponential=exponential, sine=sine, cosine=cosine,
-        arctangent=horner("q", ARCTANGENT),
-    )  # fmt: skip
+    head = HEADER.format(version=version("narrows"), cells=cells, **polynomials())
     return "\n\n\n".join(part.strip() for part in (head, *parts)) + "\n"
+
+
+def polynomials() -> dict[str, str]:
+    """Return the polynomials of the elementary functions, in q, or r for the exponential."""
+    sine, cosine = ([(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)] for first in (1, 0))
+    exponential = [1 / factorial(k) for k in range(EXPONENTIAL_DEGREE + 1)]
+    series = {"sine": sine, "cosine": cosine, "arctangent": ARCTANGENT}
+    return {"exp": horner("r", exponential), **{name: horner("q", own) for name, own in series.items()}}
 
 
 def horner(x: str, coefficients: Sequence[float]) -> str:

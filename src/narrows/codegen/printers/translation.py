@@ -143,8 +143,8 @@ class Translation:
                     stated[name] = ast.unparse(kind)
                 case ast.For(target=ast.Name(id=name)):
                     stated[name] = "int"
-                case ast.Assign(targets=[target], value=value) if not _is_new_array(value):
-                    known |= {one.id: "float" for one in parts_of(target) if isinstance(one, ast.Name)}
+                case ast.Assign(targets=[target], value=value) if not isinstance(getattr(value, "left", 0), ast.List):
+                    known |= {one.id: "float" for one in getattr(target, "elts", [target]) if isinstance(one, ast.Name)}
         return known | stated
 
     def expression(self, node: ast.expr, tight: bool = False) -> str:
@@ -239,11 +239,3 @@ class Translation:
 
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
         yield f"return [{', '.join(map(self.expression, values))}];"
-
-
-def _is_new_array(value: ast.expr) -> bool:
-    return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)
-
-
-def parts_of(node: ast.expr) -> list[ast.expr]:
-    return node.elts if isinstance(node, ast.Tuple) else [node]
