@@ -83,8 +83,11 @@ def test_longitudes_may_count_to_360(tmp_path: Path) -> None:
         (("--line", "line.geojson", "--width", "300"), "--depth 16"),
         (("--line", "line.geojson", "--width", "-3", "--depth", "16"), "give metres over 0"),
         (("canal.geojson", "--width", "300"), "at most one of FILE, --width"),
-        (("--line", "line.geojson", "--width", "300", "--depth", "16", "--reach", "9"), "--reach goes with FILE"),
-        (("canal.geojson", "--reach", "9"), "--reach is for a chart along --line"),
+        (
+            ("--line", "line.geojson", "--width", "300", "--depth", "16", "--reach", "9"),
+            "at most one of --reach, --width",
+        ),
+        (("canal.geojson", "--reach", "9"), "--reach goes with --line"),
     ],
 )
 def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tmp_path, cli, monkeypatch) -> None:

@@ -30,9 +30,6 @@ if TYPE_CHECKING:
 # Methods of a data frame that need columns of numbers.
 OF_NUMBERS = ("mean", "std", "var", "sem", "median", "quantile", "skew", "kurt", "corr", "cov", "abs")
 
-# Methods of a data frame, which are those of a summary elsewhere.
-OF_TABLES = ("describe", "info")
-
 # Marks methods in the tables of names.
 CALL = "()"
 
@@ -335,7 +332,7 @@ class Tabulated(BaseResult):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            if name in OF_TABLES:
+            if name in ("describe", "info"):  # Elsewhere these are methods of a summary
                 return getattr(self.to_dataframe(), name)
             try:
                 return super().__getattr__(name)

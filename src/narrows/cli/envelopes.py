@@ -75,14 +75,6 @@ class WeatherOptions:
         )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class CaseOptions:
-    reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3
-    keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None
-    samples: Annotated[int, "Number of samples."] = SAMPLES
-    seed: Annotated[int, "Seed of the samples."] = 0
-
-
 OWN_SIZE = "Model file at the ship's own size (see scale), with a rudder, or a ship's name; none with --demo."
 # A ship with a rudder and banks, but untested, which the chart notes.
 DEMO_SHIP = "estimated_kcs"
@@ -99,8 +91,11 @@ def envelope(
     speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None,
     section: SectionOptions,
     weather: WeatherOptions,
-    cases: CaseOptions,
     delivery: DatasetDelivery,
+    reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3,
+    keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None,
+    samples: Annotated[int, "Number of samples."] = SAMPLES,
+    seed: Annotated[int, "Seed of the samples."] = 0,
     controller: Annotated[str, "Pilot, such as regulator or human; an unknown name lists all."] = "regulator",
     bank: Annotated[str, "Kind of bank for design rules: gentle, sloping or steep."] = "steep",
     rudder_of: Annotated[str | None, "Model whose rudder is used if this one has none."] = None,
@@ -117,8 +112,8 @@ def envelope(
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
-        "y": y, "u": speed, "disturbance": disturbance, **vars(cases), "bank": bank,
-        "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
+        "y": y, "u": speed, "disturbance": disturbance, "reserve": reserve, "keel": keel, "samples": samples,
+        "seed": seed, "bank": bank, "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
     }  # fmt: skip
     if section.along is not None:
         waterway = section.read()

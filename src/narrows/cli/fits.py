@@ -189,28 +189,19 @@ def reproduce(
     cli.Delivery(json=json, report=out / "report.html").show(result.to_dict, lambda: click.echo(result.summary()))
 
 
-@dataclass(frozen=True)
-class RunOptions:
-    runs: Annotated[int, "Number of runs."] = 12
-    run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None
-    clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5
-    speed: Annotated[cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: tested or slow ones."] = None
-    depths: Annotated[cli.Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
-    reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None
-
-    def tank(self) -> "nw.Tank":
-        at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (self.speed, self.depths))
-        return nw.Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
-
-
 @cli.verb(
     "narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv", needs={"where mapping condition": "after"}
 )
 def plan(
     ship: Annotated[Path, cli.Argument(help=cli.SHIP_FILE)],
-    runs: RunOptions,
     selection: cli.SelectionOptions,
     delivery: cli.TableDelivery,
+    runs: Annotated[int, "Number of runs."] = 12,
+    run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None,
+    clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5,
+    speed: Annotated[cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: tested or slow ones."] = None,
+    depths: Annotated[cli.Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None,
+    reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None,
     after: Annotated[Path | None, "Earlier captive tests."] = None,
     errors: cli.RunErrors = "0.02,0.02,0.02",
     terms: cli.Terms = "paper",
@@ -220,8 +211,10 @@ def plan(
     from narrows.report.printed_tables import print_plan
 
     made = _tests(after, ship, selection, terms) if after else None
-    aim = {"errors": errors, "terms": terms, "targets": targets}
-    result = nw.plan_tests(made.configuration if made else ship, runs.runs, tank=runs.tank(), after=made, **aim)
+    at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (speed, depths))
+    aim: dict[str, Any] = {"errors": errors, "terms": terms, "targets": targets}
+    aim["tank"] = nw.Tank(run_length, clearance, speeds=at_speeds, depths=at_depths, reach=reach)
+    result = nw.plan_tests(made.configuration if made else ship, runs, after=made, **aim)
     delivery.give(result, print_plan)
     raise SystemExit(int(not result.determined))
 
@@ -290,22 +283,17 @@ def export(
     cli.Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))
 
 
-@dataclass(frozen=True)
-class DimensionOptions:
-    length: Annotated[float, "Length between perpendiculars [m]."]
-    width: Annotated[float, "Width of the canal, from bank to bank [m]."]
-    depth: Annotated[float | None, "Depth of the canal [m]; default: deep water."] = None
-    beam: Annotated[float | None, "Beam of the ship [m]; usual for its --type unless given."] = None
-    draft: Annotated[float | None, "Draft of the ship [m]; usual for its --type unless given."] = None
-    block: Annotated[float | None, "Block coefficient; usual for its --type unless given."] = None
-    density: Annotated[float, "Density of the water [kg/m3]."] = 1025.0
-    name: Annotated[str, "Name of the ship."] = "ship"
-
-
 @cli.verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
 def estimate(
-    dimensions: DimensionOptions,
     delivery: cli.PlainModelDelivery,
+    length: Annotated[float, "Length between perpendiculars [m]."],
+    width: Annotated[float, "Width of the canal, from bank to bank [m]."],
+    depth: Annotated[float | None, "Depth of the canal [m]; default: deep water."] = None,
+    beam: Annotated[float | None, "Beam of the ship [m]; usual for its --type unless given."] = None,
+    draft: Annotated[float | None, "Draft of the ship [m]; usual for its --type unless given."] = None,
+    block: Annotated[float | None, "Block coefficient; usual for its --type unless given."] = None,
+    density: Annotated[float, "Density of the water [kg/m3]."] = 1025.0,
+    name: Annotated[str, "Name of the ship."] = "ship",
     kind: Annotated[
         str | None, cli.Option("--type", help="container, tanker, bulk, general, inland or convoy.")
     ] = None,
@@ -317,11 +305,8 @@ def estimate(
     """
     from narrows.report.printed_tables import print_estimate
 
-    own = dimensions
-    ship = {
-        "length": own.length, "beam": own.beam, "draft": own.draft, "block_coefficient": own.block, "name": own.name,
-    }  # fmt: skip
-    model = nw.estimate_model(ship, nw.Canal(own.width, own.depth), nw.Water(own.density), kind=kind, speed=speed)
+    ship = {"length": length, "beam": beam, "draft": draft, "block_coefficient": block, "name": name}
+    model = nw.estimate_model(ship, nw.Canal(width, depth), nw.Water(density), kind=kind, speed=speed)
     coefficients = model.to_dataframe()[["value", "std", "unit"]].to_dict("index")
     shown = {"coefficients": coefficients, "summary": model.summary(), "notes": list(model.notes)}
     delivery.give(model, print_estimate, values=lambda: shown)

@@ -1,6 +1,8 @@
 """``learn``: improve a model from the ship's own records."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -58,27 +60,40 @@ def learn(
 
     Steady legs are held to one side of the canal and then to the other.
     """
-    ship = model_named(model)
+    from narrows.report import learning_pages as pages
+
+    ship, way = model_named(model), None if waterway is None else nw.read_waterway(waterway)
+    result: Any
+    words: Callable[[Any], None]
+    report: Callable[[Any, Path], None] = pages.write_steady_report
     if logs:
-        found = _learn(ship, logs, logged, waterway, delivery)
+        result, part, report = _learn(ship, logs, logged, way), "log", pages.write_log_report
+        words, found = partial(pages.print_learned, verdict="estimate from the log"), result.informative
     elif legs.steady is not None:
-        found = _learn_steady(ship, legs, legs.steady, delivery)
+        result = nw.learn_steady(ship, legs.steady, conditions=nw.SteadyConditions(wind=legs.wind))
+        part, words, found = "steady", partial(pages.print_learned, verdict="information"), result.informative
     elif legs.plan_steady is not None:
-        found = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
+        ahead = None if speed is None else cli.speeds("--speed", speed)
+        conditions = nw.SteadyConditions(wind=legs.wind)
+        result = nw.plan_steady(ship, legs.y, ahead, legs=legs.legs, conditions=conditions)
+        part, words, found = "plan", pages.print_steady_plan, bool(result.legs)
+        delivery = cli.Delivery(legs.plan_steady if found else None, delivery.json)
     else:
-        found = _predict_information(ship, predict_information or "", waterway, speed, delivery.json)
+        u = None if speed is None else cli.speed("--speed", speed)
+        result = nw.predict_information(ship, way, predict_information or "", u=u)
+        part, words, found = "information", pages.print_information, True
+    told = {"summary": result.summary(), **dict.fromkeys(PARTS), part: result.to_dict(), "notes": list(result.notes)}
+    delivery.give(
+        result, words, report=partial(report, result), values=lambda: told,
+        save=partial(pages.write_pilot_page, result) if part == "plan" else lambda path: result.model.save(path),
+    )  # fmt: skip
     raise SystemExit(int(not found))
 
 
-def _learn(
-    model: "nw.Model", logs: list[Path], logged: LogOptions, waterway: Path | None, delivery: cli.ModelDelivery
-) -> bool:
-    from narrows.report.learning_pages import print_learned, write_log_report
-
+def _learn(model: "nw.Model", logs: list[Path], logged: LogOptions, way: "nw.Waterway | None") -> "nw.LogFit":
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
-    way = None if waterway is None else nw.read_waterway(waterway)
     # Logs in memory, or read from disk at each pass if one is large.
     large = len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE
     log: Any = nw.stream_log(logs[0], way, logged.mapping) if large else nw.read_log(logs, way, logged.mapping)
@@ -90,46 +105,4 @@ def _learn(
             raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
         doubts = findings.doubts
     fit = nw.learn(model, log, free=logged.free, sensors=logged.sensors, spread=logged.spread)
-    fit = replace(fit, about=(*doubts, *fit.about))
-    delivery.give(
-        fit, lambda fit: print_learned(fit, "estimate from the log"), save=fit.model.save,
-        report=lambda path: write_log_report(fit, path), values=lambda: _told(fit, log=fit.to_dict()),
-    )  # fmt: skip
-    return fit.informative
-
-
-def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: cli.ModelDelivery) -> bool:
-    from narrows.report.learning_pages import print_learned, write_steady_report
-
-    fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
-    delivery.give(
-        fit, lambda fit: print_learned(fit, "information"), save=fit.model.save,
-        report=lambda path: write_steady_report(fit, path), values=lambda: _told(fit, steady=fit.to_dict()),
-    )  # fmt: skip
-    return fit.informative
-
-
-def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
-    from narrows.report.learning_pages import print_steady_plan, write_pilot_page
-
-    ahead = None if speed is None else cli.speeds("--speed", speed)
-    plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))
-    shown = cli.Delivery(page if plan.legs else None, json)
-    values = _told(plan, plan=plan.to_dict())
-    shown.give(plan, print_steady_plan, save=lambda path: write_pilot_page(plan, path), values=lambda: values)
-    return bool(plan.legs)
-
-
-def _predict_information(model: "nw.Model", sensors: str, waterway: Path | None, speed: str | None, json: bool) -> bool:
-    from narrows.report.learning_pages import print_information
-
-    way = None if waterway is None else nw.read_waterway(waterway)
-    u = None if speed is None else cli.speed("--speed", speed)
-    found = nw.predict_information(model, way, sensors, u=u)
-    values = _told(found, information=found.to_dict())
-    cli.Delivery(json=json).give(found, print_information, values=lambda: values)
-    return True
-
-
-def _told(result: "nw.LogFit | nw.SteadyFit | nw.SteadyPlan | nw.InformationForecast", **parts: Any) -> dict[str, Any]:
-    return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}
+    return replace(fit, about=(*doubts, *fit.about))

@@ -1,13 +1,13 @@
 """Arguments and options of verbs, declared by annotation, ``Annotated[float, "..."]``; their output."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import click
 import numpy as np
@@ -96,7 +96,7 @@ Function = TypeVar("Function", bound=Callable[..., None])
 
 
 def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
-    """Register a function as a verb, with the options that go ``Together``.
+    """Register a function as a verb, with rules on the options that go ``together``.
 
     A dataclass parameter becomes one option per field, a delivery some options.
     """
@@ -105,7 +105,7 @@ def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Fu
         parameters, groups = _declarations(function)
 
         def called(**given: Any) -> Any:
-            Together(**together).check(click.get_current_context())
+            check_together(click.get_current_context(), **together)
             made = {own: kind(**{each: given.pop(each) for each in names}) for own, (kind, names) in groups.items()}
             return function(**given, **made)
 
@@ -135,32 +135,28 @@ def _declarations(function: Callable[..., Any]) -> tuple[list[click.Parameter], 
     return parameters, groups
 
 
-class Together(NamedTuple):
-    """Rules on options of a verb that go together, by their names with blanks between."""
-
-    needs: Mapping[str, str] = {}  # Each of the options needs one of the others
-    one: tuple[str, ...] = ()  # Exactly one of these is given
-    apart: tuple[str, ...] = ()  # At most one of these is given
-
-    def check(self, context: click.Context) -> None:
-        words = {
-            str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context).strip("[].")
-            for own in context.command.params
-        }
-        given = {
-            name for name in words if context.params.get(name) is not None
-            and context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        }  # fmt: skip
-        for names, others in self.needs.items():
-            for name in names.split():
-                if name in given and not given.intersection(others.split()):
-                    needed = " or ".join(words[other] for other in others.split())
-                    raise InputError(f"{words[name]} goes with {needed}; add it, or leave {words[name]} out")
-        for names in (*self.one, *self.apart):
-            count, known = len(given.intersection(names.split())), ", ".join(words[name] for name in names.split())
-            if count > 1 or (count == 0 and names in self.one):
-                often = "exactly" if names in self.one else "at most"
-                raise InputError(f"give {often} one of {known}; see {context.command_path} --help")
+def check_together(
+    context: click.Context, needs: Mapping[str, str] | None = None, one: Sequence[str] = (), apart: Sequence[str] = ()
+) -> None:
+    """Check names with blanks between: each option needs one of some others; exactly, or at most, one of some."""
+    words = {
+        str(own.name): own.opts[0] if isinstance(own, click.Option) else own.make_metavar(context).strip("[].")
+        for own in context.command.params
+    }
+    given = {
+        name for name in words if context.params.get(name) is not None
+        and context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    }  # fmt: skip
+    for names, others in (needs or {}).items():
+        for name in names.split():
+            if name in given and not given.intersection(others.split()):
+                needed = " or ".join(words[other] for other in others.split())
+                raise InputError(f"{words[name]} goes with {needed}; add it, or leave {words[name]} out")
+    for names in (*one, *apart):
+        count, known = len(given.intersection(names.split())), ", ".join(words[name] for name in names.split())
+        if count > 1 or (count == 0 and names in one):
+            often = "exactly" if names in one else "at most"
+            raise InputError(f"give {often} one of {known}; see {context.command_path} --help")
 
 
 def _declared(name: str, hint: Any, default: Any) -> click.Parameter:

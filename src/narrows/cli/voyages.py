@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from narrows.simulation.initial_state import VoyageDefaults
 
 
-HELMS = ("regulator", "predictive")
 ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water."]
 
 
@@ -39,20 +38,6 @@ class StartOptions:
         turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
         turns = {} if self.revolutions is None else {"revolutions": self.revolutions}
         return {"x": self.x, "y": self.y, "v": self.v, **turning, **turns}
-
-
-@dataclass(frozen=True)
-class HelmOptions:
-    rudder_deg: Annotated[float, "Rudder angle [deg], positive to starboard; for models with a rudder."] = 0.0
-    hold: Annotated[float | None, "Offset held by a helm [m], for models with a rudder."] = None
-    controller: Annotated[str | None, "Helm: regulator or predictive."] = None
-
-    def values(self, model: "nw.Model", u: float, way: "nw.Waterway | None") -> dict[str, Any]:
-        if self.controller is not None:
-            check_choice("--controller", self.controller, HELMS)
-        if self.controller == "predictive" and self.hold is not None:
-            return {"controller": nw.control.PredictiveHelm(model, self.hold, u, way)}
-        return {"hold": self.hold}
 
 
 @dataclass(frozen=True)
@@ -124,17 +109,6 @@ class VariedOptions:
         return {name: values if values.size > 1 else float(values[0]) for name, values in vary.items()}
 
 
-@dataclass(frozen=True)
-class SampleOptions:
-    samples: Annotated[int, "Number of coefficient samples from the fit's covariance."] = 0
-    within: Annotated[float | None, "With --samples: map the probability of grounding within this distance [m]."] = None
-    seed: Annotated[int, "Seed of the samples."] = 0
-
-    def __post_init__(self) -> None:
-        if self.within is not None and not 0 < self.within < float("inf"):
-            raise InputError(f"--within {self.within} is no distance; give metres")
-
-
 BOTTOM = cli.Option("--bottom/--no-bottom", help="End where the ship touches bottom or chokes the section.")
 # Distance below which two places are one in words [m].
 SAME_PLACE = 0.05
@@ -149,11 +123,13 @@ OFFSETS = 101
 def simulate(
     model: cli.ModelFile,
     start: StartOptions,
-    helm: HelmOptions,
     time: TimeOptions,
     physics: PhysicsOptions,
     water: WaterOptions,
     delivery: cli.TrackDelivery,
+    rudder_deg: Annotated[float, "Rudder angle [deg], positive to starboard; for models with a rudder."] = 0.0,
+    hold: Annotated[float | None, "Offset held by a helm [m], for models with a rudder."] = None,
+    controller: Annotated[str | None, "Helm: regulator or predictive."] = None,
     bottom: Annotated[bool, BOTTOM] = True,
 ) -> None:
     """Simulate one voyage, to where the ship grounds."""
@@ -161,13 +137,14 @@ def simulate(
 
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.speed is None else start.speed
-    options: dict[str, Any] = start.values() | vars(time) | vars(physics) | {"bottom": bottom}
-    options |= helm.values(chosen, u, waterway)
-    voyage = nw.simulate(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, **options)
-    unsteered = helm.hold is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
-    fixed = (
-        f"\nNobody steered: the rudder stayed at {helm.rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
-    )
+    options: dict[str, Any] = start.values() | vars(time) | vars(physics) | {"bottom": bottom, "hold": hold}
+    if controller is not None:
+        check_choice("--controller", controller, ("regulator", "predictive"))
+    if controller == "predictive" and hold is not None:
+        options |= {"hold": None, "controller": nw.control.PredictiveHelm(chosen, hold, u, waterway)}
+    voyage = nw.simulate(chosen, u=u, rudder=radians(rudder_deg), waterway=waterway, **options)
+    unsteered = hold is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
+    fixed = f"\nNobody steered: the rudder stayed at {rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
     delivery.give(voyage, lambda voyage: click.echo(voyage.summary() + fixed))
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
@@ -179,26 +156,30 @@ def simulate(
 def map_(
     model: cli.ModelFile,
     varied: VariedOptions,
-    samples: SampleOptions,
     time: TimeOptions,
     water: WaterOptions,
     delivery: cli.DatasetDelivery,
+    samples: Annotated[int, "Number of coefficient samples from the fit's covariance."] = 0,
+    within: Annotated[float | None, "With --samples: map the probability of grounding within a distance [m]."] = None,
+    seed: Annotated[int, "Seed of the samples."] = 0,
     contact: ContactKind = "corners",
 ) -> None:
     """Map where the ship grounds, over one or two variables."""
     from narrows.simulation.ensemble import map_summary
     from narrows.simulation.initial_state import voyage_defaults
 
+    if within is not None and not 0 < within < float("inf"):
+        raise InputError(f"--within {within} is no distance; give metres")
     chosen, waterway = model_named(model), water.read()
     vary: dict[str, Any] = varied.values(voyage_defaults(chosen, varied.speed), OFFSETS)
     voyages = nw.ensemble(
-        chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
+        chosen, samples=samples, seed=seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time) | {"contact": contact}, **vary,
     )  # fmt: skip
     summary = map_summary(voyages)
     delivery.give(
         summary, lambda summary: click.echo(summary["summary"]), save=lambda path: save_dataset(voyages, path),
-        draw=lambda: nw.report.map_figure(voyages, chosen, samples.within, waterway, vary), values=lambda: summary,
+        draw=lambda: nw.report.map_figure(voyages, chosen, within, waterway, vary), values=lambda: summary,
     )  # fmt: skip
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
@@ -235,20 +216,16 @@ def trials(
     delivery.give(result, print_manoeuvres)
 
 
-# Search distance for a bank in a chart [m].
-REACH = 1000.0
-
-
 @cli.verb(
     "narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson",
-    needs={"reach": "file"}, apart=("file width",),
+    needs={"reach": "line"}, apart=("file width", "reach width"),
 )  # fmt: skip
 def waterway(
     file: Annotated[Path | None, cli.Argument(help="GeoJSON, KML, shapefile, chart (.000); none with --width.")] = None,
     line: Annotated[Path | None, "Centreline as it is sailed, through a chart: a map with one line."] = None,
     width: Annotated[float | None, "Width from bank to bank along --line [m]."] = None,
     depth: Annotated[float | None, "Water depth [m], if the file gives none."] = None,
-    reach: Annotated[float, "Search distance for a bank in a chart [m]."] = REACH,
+    reach: Annotated[float, "Search distance for a bank in a chart [m]."] = 1000.0,
     draft: Annotated[float, "Draft of a ship [m]: the width is then that available to the keel."] = 0.0,
     delivery: cli.WaterwayDelivery = cli.Delivery(),
 ) -> None:
@@ -260,8 +237,6 @@ def waterway(
 
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
-    if line is None and reach != REACH:
-        raise InputError("--reach is for a chart along --line; leave it out for banks that are drawn")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
