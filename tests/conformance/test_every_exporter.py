@@ -36,7 +36,7 @@ def test_the_verb_writes_what_the_function_does(kind: str, tmp_path: Path) -> No
     done = CliRunner().invoke(app, ["export", kind, MODEL, "-o", str(by_verb)])
     assert done.exit_code == 0, done.output
     assert done.stdout.endswith(f"wrote {by_verb}\n")
-    written = own.write(nw.published(MODEL), by_function)
+    written = nw.export.write(nw.published(MODEL), by_function, kind)
     assert all(note in done.stdout for note in own.notes(written))
     assert by_function.stat().st_size > 500
     assert by_verb.read_bytes() == by_function.read_bytes(), "written again it is another file"
@@ -47,7 +47,7 @@ def test_a_file_of_another_kind_is_refused_and_not_written(kind: str, tmp_path: 
     others = {one.suffixes[0] for one in EXPORTERS.values()} - {*EXPORTERS[kind].suffixes}
     for name in ("ship.f", "ship", *(f"ship{suffix}" for suffix in sorted(others))):
         with pytest.raises(nw.InputError):
-            EXPORTERS[kind].write(nw.published(MODEL), tmp_path / name)
+            nw.export.write(nw.published(MODEL), tmp_path / name, kind)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -63,7 +63,7 @@ def test_the_help_names_it_and_python_gives_it(kind: str) -> None:
 def contents(kind: str, folder: Path, model: nw.Model, suffix: str = "", **options: Any) -> bytes:
     """What a file holds; what an archive holds, member by member."""
     path = folder / f"ship{suffix or EXPORTERS[kind].suffixes[0]}"
-    EXPORTERS[kind].write(model, path, **options)
+    nw.export.write(model, path, kind, **options)
     if tarfile.is_tarfile(path):
         return gzip.decompress(path.read_bytes())
     if not zipfile.is_zipfile(path):

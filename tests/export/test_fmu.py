@@ -16,7 +16,6 @@ from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.cli import app
-from narrows.export.fmu import NativeBuild
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 pytestmark = needs_compiler
@@ -221,7 +220,7 @@ def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: p
 
 
 def test_a_compiler_that_fails_is_a_sentence_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    broken = NativeBuild("linux64", ("false",), ".so")
+    broken = "linux64", ("false",), ".so"
     monkeypatch.setattr("narrows.export.fmu.builds_here", lambda fmi: (broken,))
     with pytest.raises(nw.InputError, match="compiler for linux64 fails"):
         nw.export.write(model_of("paper"), tmp_path / "ship.fmu")

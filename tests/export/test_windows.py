@@ -23,8 +23,8 @@ STEPS, DT = 200, 0.05
 
 @pytest.mark.skipif(WINE is None, reason="wine is not here to run the library for Windows with")
 def test_windows_sails_the_voyage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    builds = [build for build in narrows.export.fmu.builds_here() if build.folder == "win64"]
-    monkeypatch.setattr(narrows.export.fmu, "builds_here", lambda fmi: tuple(builds))
+    builds = [build for build in narrows.export.fmu.builds_here() if build[0] == "win64"]
+    monkeypatch.setattr(narrows.export.fmu, "builds_here", lambda fmi: builds)
     nw.export.write(model_of("paper"), tmp_path / "ship.fmu", dt=DT)
     with zipfile.ZipFile(tmp_path / "ship.fmu") as packed:
         packed.extract("binaries/win64/ship.dll", tmp_path)

@@ -12,7 +12,6 @@ import pytest
 
 import narrows as nw
 from narrows.control import closed_loop, regulator
-from narrows.export import EXPORTERS
 from narrows.export.passport import passport
 from narrows.logbook.learning.learn_log import _assumptions
 from narrows.quantities.names import KNOT
@@ -96,7 +95,7 @@ def without(*keys: str) -> nw.Model:
 @pytest.mark.parametrize("suffix", [".m", ".h", ".cs", ".mjs", ".fmu"])
 def test_every_language_of_the_bank_force_tells_it_too(suffix: str, tmp_path: Path) -> None:
     def written(model: nw.Model) -> str:
-        EXPORTERS["bank-force"].write(model, file := tmp_path / f"bank{suffix}")
+        nw.export.write(model, file := tmp_path / f"bank{suffix}", "bank-force")
         return zipfile.ZipFile(file).read("modelDescription.xml").decode() if suffix == ".fmu" else file.read_text()
 
     known = written(nw.Model.from_dict(KNOWN))

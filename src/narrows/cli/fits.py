@@ -277,7 +277,7 @@ def export(
     for option, name in (("waterway", "waterway"), ("hold", "controller")):
         if options[name] is not None and name not in known:
             raise InputError(f"a file of kind {kind} has no {name} of its own to set; leave --{option} out")
-    written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})
+    written = nw.export.write(ship, output, kind, **{name: value for name, value in options.items() if name in known})
     notes, platforms = list(exporter.notes(written)), written if kind == "fmu" else ()
     shown = {"summary": f"wrote {output}", "kind": kind, "output": str(output), "platforms": platforms, "notes": notes}
     cli.Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))

@@ -44,9 +44,6 @@ class Exporter:
         content = getattr(import_module(f"narrows.export.{module}"), function)
         return content(model, path, form_of(path, self.suffixes), **options)  # type: ignore[no-any-return]
 
-    def write(self, model: "Model", path: str | Path, **options: Any) -> Any:
-        return write(model, path, self.kind, **options)
-
 
 @accept_aliases
 def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> Any:
@@ -98,7 +95,7 @@ def to_language(model: "Model", kind: str, path: str | Path | None = None, **opt
     """Write a model in one of ``LANGUAGES``, or return its text, or bytes, where no path is given."""
     exporter = LANGUAGES[kind]
     if path is not None:
-        return exporter.write(model, path, **options)
+        return write(model, path, exporter.kind, **options)
     return exporter.made(model, f"ship{exporter.suffixes[0]}", options)[0]
 
 

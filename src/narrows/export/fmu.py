@@ -37,19 +37,6 @@ from narrows.ship.checks import POSITIVE, SMALLEST
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 
-
-@dataclass(frozen=True)
-class NativeBuild:
-    folder: str  # Folder of the platform in an FMU
-    command: tuple[str, ...]  # Command that compiles and links
-    suffix: str  # Suffix of the library
-
-    def compiled(self, source: Path) -> bytes:
-        target = source.with_name(f"{self.folder}{self.suffix}")
-        libraries = () if self.suffix == ".dll" else ("-lm",)
-        return compiled((*self.command, *FLAGS, str(source), *libraries), target, self.folder)
-
-
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
 
 # Zig's name of each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard
@@ -88,16 +75,12 @@ def compiled(command: Sequence[str], target: Path, what: str) -> bytes:
     return target.read_bytes()
 
 
-def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
-    """Return a compiler for each available platform: all with ziglang, else this machine's own."""
+def builds_here(fmi: int = 2) -> list[tuple[str, Sequence[str], str]]:
+    """Return each available platform's folder, compiler and suffix: all with ziglang, else this machine's own."""
     if not lacks_zig(""):
-        return tuple(
-            NativeBuild(folders[fmi], (*ZIG_CC, "-s", "-target", target), suffix)
-            for target, folders, suffix in ZIG
-            if fmi in folders
-        )
+        return [(place[fmi], (*ZIG_CC, "-s", "-target", name), suffix) for name, place, suffix in ZIG if fmi in place]
     compiler, folders = shutil.which("gcc") or shutil.which("cc"), LOCAL.get((platform.system(), platform.machine()))
-    return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
+    return [(folders[fmi], (compiler, "-s"), ".so")] if compiler and folders else []
 
 
 class Kind(Enum):
@@ -275,9 +258,10 @@ def fmu_of(
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        for build in builds_here(fmi):
-            library = build.compiled(Path(folder, f"fmi{fmi}.c"))
-            parts[f"binaries/{build.folder}/{identifier}{build.suffix}"] = library
+        for place, compiler, suffix in builds_here(fmi):
+            command = *compiler, *FLAGS, f"{folder}/fmi{fmi}.c", *(() if suffix == ".dll" else ("-lm",))
+            library = compiled(command, Path(folder, f"{place}{suffix}"), place)
+            parts[f"binaries/{place}/{identifier}{suffix}"] = library
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in parts.items():
@@ -298,19 +282,17 @@ def _rates(exported: ExportedShip) -> dict[str, str]:
 def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **context: Any) -> str:
     # FMI 2.0 has its event indicators and its time without a variable.
     shown = tuple(one for one in variables if fmi > 2 or one.kind not in (Kind.INDICATOR, Kind.TIME_ITSELF))
-    indices: dict[str, list[int]] = {"Outputs": [], "Derivatives": [], "InitialUnknowns": []}
-    for index, one in enumerate(shown, 1):
-        asked: dict[str, Any] = {
-            "Outputs": one.kind.causality == "output", "Derivatives": one.derivative,
-            "InitialUnknowns": one.kind.initial == "calculated" and one.kind is not Kind.INDICATOR,
-        }  # fmt: skip
-        for part, wanted in asked.items():
-            indices[part] += [index] if wanted else []
+    numbered = [*enumerate(shown, 1)]
+    initial = (i for i, one in numbered if one.kind.initial == "calculated" and one.kind is not Kind.INDICATOR)
+    structure = {
+        "Outputs": [i for i, one in numbered if one.kind.causality == "output"],
+        "Derivatives": [i for i, one in numbered if one.derivative], "InitialUnknowns": [*initial],
+    }  # fmt: skip
     return filled(
         f"fmi{fmi}.xml.j2", variables=shown, version=version("narrows"), number=repr, kinds=Kind,
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model, covariance=False))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
-        structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **context,
+        structure=structure, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **context,
     )  # fmt: skip
 
 

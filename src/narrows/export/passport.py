@@ -44,13 +44,9 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
-    ranges = unknown_note(model.data_range, model.has_bank)
+    known, ranges = model.data_range, unknown_note(model.data_range, model.has_bank)
     yield from (note for note in model.notes if note != ranges)
-    covered = [
-        f"{measure.words} {measure.describe(*pair)}"
-        for name, measure in MEASURES.items()
-        if (pair := getattr(model.data_range, name)) is not None
-    ]
+    covered = [f"{one.words} {known.describe(name)}" for name, one in MEASURES.items() if getattr(known, name)]
     whose = "The other ships'" if model.source.estimate else "Its"
     if covered:
         yield f"{whose} tests covered: {'; '.join(covered)}."

@@ -127,8 +127,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
 def correlation_figure(fit: Fit) -> Figure:
     """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
     overall = fit.diagnostics.overall
-    sizes = [max(4, len(d.names)) for d in overall.values()]
-    figure, axes = panels(1, len(overall), 3.3, "", width_ratios=sizes)
+    figure, axes = panels(1, len(overall), 3.3, "", width_ratios=[max(4, len(d.names)) for d in overall.values()])
     for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
         values, names = diagnosis.correlation, diagnosis.names
         panel.set_facecolor("#DDDDDD")

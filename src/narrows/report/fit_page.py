@@ -68,10 +68,8 @@ def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = Non
         "details": answer.details if answer else (),
         "fit": fit,
         "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},
-        "envelope": [
-            f"{measure.words}: {measure.describe(*pair)}"
-            for name, measure in MEASURES.items() if (pair := getattr(fit.data_range, name)) is not None
-        ],
+        "envelope": [f"{one.words}: {fit.data_range.describe(name)}" for name, one in MEASURES.items()
+                     if getattr(fit.data_range, name)],
         "equations": [f"{force} = " + " + ".join(map(_term_text, terms))
                       for force, terms in fit.terms.forces.items() if terms],
         "constraints": "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded)

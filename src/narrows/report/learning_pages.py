@@ -20,7 +20,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.colours import BLACK, BLUE, GREY, ORANGE
 from narrows.report.fit_page import figure, write_page
-from narrows.report.printed_tables import print_result, table_of
+from narrows.report.printed_tables import frame_table, print_result, table_of
 from narrows.report.style import legend_below, panels
 
 DEGREES = 180 / np.pi
@@ -93,14 +93,7 @@ def _turned(low: float, high: float, digits: int = 0) -> str:
 
 
 def print_information(information: InformationForecast) -> None:
-    columns = {"transits": "{transits}"} | {f"std {name}": f"{{std {name}:.2g}}" for name in information.std}
-    print_result(information, table_of(columns, information.rows()))
-
-
-# Coefficients before and after a record, in a table.
-LEARNED = {
-    "": "{name}", "before": "{before}", "after": "{after}", "95 % interval": "{interval}", "unit": "{unit}",
-}  # fmt: skip
+    print_result(information, frame_table(information.to_dataframe()))
 
 
 def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[dict[str, Any]]:
@@ -176,18 +169,19 @@ def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
 
 
 def print_learned(fit: LogFit | SteadyFit, verdict: str) -> None:
-    columns = {**LEARNED, verdict: "{verdict}"}
+    columns = {
+        "": "{name}", "before": "{before}", "after": "{after}", "95 % interval": "{interval}", "unit": "{unit}",
+        verdict: "{verdict}",
+    }  # fmt: skip
     print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", verdict)))
 
 
-LEGS = {
-    "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
-    "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",
-    "drift to expect [deg]": "{drift_low:+.1f} to {drift_high:+.1f}",
-}  # fmt: skip
-
-
 def print_steady_plan(plan: SteadyPlan) -> None:
-    columns = LEGS | {f"std {name} then": f"{{std {name}:.2g}}" for name in plan.std}
+    columns = {
+        "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
+        "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",
+        "drift to expect [deg]": "{drift_low:+.1f} to {drift_high:+.1f}",
+        **{f"std {name} then": f"{{std {name}:.2g}}" for name in plan.std},
+    }  # fmt: skip
     rows = [{"leg": number, **row} for number, row in enumerate(plan.rows(), start=1)]
     print_result(plan, table_of(columns, rows) if plan.legs else None)

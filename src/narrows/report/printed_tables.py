@@ -335,19 +335,15 @@ APART = {
     "": "{name}", "model": "{model}", "these tests": "{value}", "95 % interval": "{interval}",
     "apart [std. errors]": "{apart:+.1f}", "unit": "{unit}",
 }  # fmt: skip
-COMPARED = {
-    "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
-    "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
-}  # fmt: skip
 
 
 def print_explanation(explanation: "Explanation", label: str = "") -> None:
-    console, title = console_of(), "Tables of terms by their error (RMSE) on left-out tests"
+    console, title = console_of(WIDTH), "Tables of terms by their error (RMSE) on left-out tests"
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
     rows = apart_rows(explanation)
     console.print(table_of(APART, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
     print_fit(explanation.fit, label)
-    console.print(table_of(COMPARED, explanation.comparison.rows(), left=("terms", "force"), title=title))
+    console.print(frame_table(explanation.comparison.to_dataframe().reset_index(), title=title))
     for sentence in explanation.comparison.summary().splitlines():
         console.print(f"- {sentence}")

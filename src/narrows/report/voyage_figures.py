@@ -169,8 +169,7 @@ def distances_figure(reproduced: Reproduction) -> Figure:
     figure, ((axes,),) = panels(1, 1, 3.8)
     configuration = reproduced.truth.configuration
     edge = (configuration.canal.width - configuration.ship.beam) / 2
-    looks = zip(COLOURS, ("-", "--", "-.", ":"), strict=True)
-    for (name, voyages), (colour, style) in zip(reproduced.readings.items(), looks, strict=False):
+    for (name, voyages), colour, style in zip(reproduced.readings.items(), COLOURS, DASHES, strict=False):
         distance = voyages["distance"].where(voyages["grounded"])
         axes.plot(edge - distance["y"], distance, color=colour, linestyle=style, label=name)
         axes.plot(edge - distance["y"], distance.where(voyages["side"] > 0), color=colour, linewidth=4, alpha=0.5)

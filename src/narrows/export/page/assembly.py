@@ -124,9 +124,9 @@ UNTESTED = "How strongly the banks pull and turn this ship is estimated from oth
 
 def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
     model, kept = exported.ship.model, exported.kept
-    ship, sliders = model.configuration.ship, sliders_of(exported, speed, exported.steering is not None)
-    names = [slider.name for slider in sliders if slider.group == COEFFICIENTS]
-    speeds = next(slider for slider in sliders if slider.name == "u")
+    ship, sliders = model.configuration.ship, [*sliders_of(exported, speed)]
+    names = [slider["name"] for slider in sliders if slider["group"] == COEFFICIENTS]
+    speeds = next(slider for slider in sliders if slider["name"] == "u")
     return {
         "title": title, "picture": "narrows.png", "lengths": LENGTHS,
         "ship": {"length": ship.length, "beam": ship.beam},
@@ -150,12 +150,12 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         ],
         "root": root_of(model, names), "share": ASSUMED,
         "assumed": model.covariance is None,
-        "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
+        "sliders": sliders, "speeds": [speeds["low"], speeds["high"]],
         "tested": {
             "u": covered(model.data_range.speed), "y": covered(model.data_range.abs_y, both=True),
             "psi": covered(model.data_range.abs_psi, both=True),
         },
-        "notes": _notes(model, sliders),
+        "notes": _notes(model),
     }  # fmt: skip
 
 
@@ -169,15 +169,13 @@ def _turned(exported: ExportedShip) -> list[int]:
     return [place for place, name in enumerate(kept) if name in turned]
 
 
-def _notes(model: Model, sliders: list["Slider"]) -> list[str]:
-    said = {slider.name for slider in sliders if slider.tested}
-    asked = (("u", "speeds"), ("y", "offsets"))[: 1 if is_open_water(model) else 2]
-    unsaid = [words for name, words in asked if name not in said]
-    doubt = UNTESTED if model.source.estimate else UNSETTLED
-    notes = [doubt] if model.trust_note else []  # Without a bank force the headline gives the note
-    tested = unsaid and not model.source.estimate
-    silent = f"Which {' and '.join(unsaid)} its tests covered is not known." if tested else ""
-    return [*notes, *filter(None, [silent])]
+def _notes(model: Model) -> list[str]:
+    known, estimate = model.data_range, model.source.estimate
+    asked = ((known.speed, "speeds"), (known.abs_y, "offsets"))[: 1 if is_open_water(model) else 2]
+    unsaid = " and ".join(words for covered, words in asked if covered is None)
+    # Without a bank force the headline gives the note
+    doubt = [UNTESTED if estimate else UNSETTLED] * bool(model.trust_note)
+    return doubt + [f"Which {unsaid} its tests covered is not known."] * bool(unsaid and not estimate)
 
 
 def root_of(model: Model, names: list[str]) -> list[Any]:
@@ -259,67 +257,25 @@ START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
 CLEARANCE, OFFSET = 10.0, 2.0
 
 
-@dataclass(frozen=True)
-class Slider:
-    name: str  # Name in the address
-    label: str
-    unit: str
-    group: str  # Heading above it
-    low: float
-    high: float
-    step: float
-    value: float  # First value
-    tested: Range | None = None  # Range of the data
-    beyond: str | None = None  # That range in words, for a value beyond it
-    told: str | None = None  # Name in the list of values beyond the data
-    switch: bool = False  # True for an on-off switch
-
-    def to_dict(self) -> dict[str, Any]:
-        digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
-        values = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
-        return values | {"digits": digits}
-
-
 def is_open_water(model: Model) -> bool:
     """Return whether a model has no bank force, and the banks of its canal are out of reach."""
     ship = model.configuration.ship
     return not model.has_bank and model.configuration.canal.width > 2 * CLEARANCE * ship.length
 
 
-def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
-    model = exported.ship.model
-    names = {parameter.name for parameter in exported.parameters}
-    return [
-        *_voyage(exported, speed, steered), *_canal(model, "depth" in names), *_unknown(model),
-        *(coefficient for term in model.terms.names if term in names for coefficient in [_coefficient(model, term)]),
-    ]  # fmt: skip
-
-
-def _slider(
-    model: Model, group: str, name: str, label: str, unit: str, ends: Range, fine: float, value: float,
-    known: Range | None = None, scale: float = 1.0, both: bool = False, told: str | None = None,
-) -> Slider:  # fmt: skip
-    """Return a slider by its step, with the range of the data: ``known`` times ``scale``, of ``both`` signs."""
-    words = None
-    if known is not None:
-        whose = "other ships" if model.source.estimate else "tested"
-        words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
-    low, high = (_to(end, fine) for end in ends)
-    return Slider(name, label, unit, group, low, high, fine, value, covered(known, scale, both), words, told)
-
-
-def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
-    model = exported.ship.model
+def sliders_of(exported: ExportedShip, speed: float) -> Iterator[dict[str, Any]]:
+    model, inputs = exported.ship.model, {one.name: one.value for one in exported.inputs}
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
-    inputs, is_open, degree = {one.name: one.value for one in exported.inputs}, is_open_water(model), math.degrees(1.0)
+    is_open, names = is_open_water(model), {parameter.name for parameter in exported.parameters}
     most, slider = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2, partial(_slider, model, VOYAGE)
-    if steered:
+    if exported.steering is not None:
         line = "dashed line" if is_open else "middle"
-        yield Slider("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
+        yield _described("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
     fine, off = _fine(speed / 50), _fine(most / 200)
     yield slider("u", "speed", "m/s", (0.3 * speed, 1.6 * speed), fine, speed, known.speed)
     start = _to(min(most / 9, ship.length), off)
     yield slider("y", "start, to starboard", "m", (-most, most), off, start, known.abs_y, both=True)
+    degree = math.degrees(1.0)
     yield slider("psi", "heading, to starboard", "°", (-12, 12), 0.1, 0, known.abs_psi, degree, both=True)
     if "rudder" in exported.kept:
         limit = math.floor(math.degrees(model.configuration.gear.limit))
@@ -329,29 +285,47 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
         astern = getattr(model.configuration.propeller, "turns_astern", False)
         yield slider("revolutions", "revolutions", "1/s", (-2 * n if astern else 0, 2 * n), _fine(n / 100), n)
     yield slider("current", "current, from astern", "m/s", (-0.25 * speed, 0.5 * speed), fine, 0)
-
-
-def _canal(model: Model, deep: bool) -> Iterator[Slider]:
-    ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
     slider = partial(_slider, model, CANAL)
-    if not is_open_water(model):
+    if not is_open:
         yield slider("width", "width", "m", (NARROWEST * ship.beam, WIDEST * canal.width), _fine(canal.width / 200),
                      canal.width, known.width_to_beam, ship.beam, told="the width of the canal")  # fmt: skip
-    if deep and canal.depth:
+    if "depth" in names and canal.depth:
         ends = 1.1 * ship.draft, max(4 * ship.draft, canal.depth)
         yield slider("depth", "depth", "m", ends, _fine(ship.draft / 100), canal.depth, known.depth_to_draft,
                      ship.draft, told="the depth of the canal")  # fmt: skip
-
-
-def _unknown(model: Model) -> Iterator[Slider]:
-    slider, length = partial(_slider, model, UNKNOWN), model.configuration.ship.length
-    fine, spread = _fine(length / 800), START_SPREAD * length
+    slider, fine, spread = partial(_slider, model, UNKNOWN), _fine(ship.length / 800), START_SPREAD * ship.length
     yield slider("sd_y", "spread of starts", "m", (0, 6 * spread), fine, _to(spread, fine))
     yield slider("sd_psi", "spread of headings", "°", (0, 3), 0.05, HEADING_SPREAD)
     yield slider("doubt", "spread of coefficients", "×", (0, 3), 0.05, 1)
-    yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
-    if not is_open_water(model):
-        yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
+    yield _described("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
+    if not is_open:
+        yield _described("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
+    yield from (_coefficient(model, name) for name in model.terms.names if name in names)
+
+
+def _described(
+    name: str, label: str, unit: str, group: str, low: float, high: float, step: float, value: float, **more: Any
+) -> dict[str, Any]:
+    """Return a slider by its name in the address and its label, in a group with a heading."""
+    # ``tested``: range of the data; ``beyond``: that range in words for a value beyond it; ``told``: name in the list
+    # of values beyond the data; ``switch``: an on-off switch.
+    own = {"name": name, "label": label, "unit": unit, "group": group, "low": low, "high": high, "step": step}
+    known = {key: given for key, given in more.items() if given is not None}
+    return {**own, "value": value, **known, "digits": max(0, -math.floor(math.log10(step) + 1e-9))}
+
+
+def _slider(
+    model: Model, group: str, name: str, label: str, unit: str, ends: Range, fine: float, value: float,
+    known: Range | None = None, scale: float = 1.0, both: bool = False, told: str | None = None,
+) -> dict[str, Any]:  # fmt: skip
+    """Return a slider by its step, with the range of the data: ``known`` times ``scale``, of ``both`` signs."""
+    words = None
+    if known is not None:
+        whose = "other ships" if model.source.estimate else "tested"
+        words = f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+    low, high = (_to(end, fine) for end in ends)
+    more = {"tested": covered(known, scale, both), "beyond": words, "told": told}
+    return _described(name, label, unit, group, low, high, fine, value, **more)
 
 
 def deviation(model: Model, name: str) -> float:
@@ -362,7 +336,7 @@ def deviation(model: Model, name: str) -> float:
     return float(np.sqrt(model.covariance[place, place]))
 
 
-def _coefficient(model: Model, name: str) -> Slider:
+def _coefficient(model: Model, name: str) -> dict[str, Any]:
     value, bound = model.coefficients[name], model.terms[name].bound
     size = WIDE * deviation(model, name) or abs(value) or 1.0
     size = max(size, abs(value) if model.covariance is None else 0.0)
@@ -372,8 +346,8 @@ def _coefficient(model: Model, name: str) -> Slider:
     inside = None if model.covariance is None else (value - 2 * size / WIDE, value + 2 * size / WIDE)
     label, fine = name if verdict == SETTLED else f"{name}, {verdict}", _fine(size / 100)
     words = None if inside is None else f"interval: {_ends(inside, fine)}"
-    return Slider(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, fine, value,
-                  inside, words, name)  # fmt: skip
+    return _described(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, fine, value,
+                      tested=inside, beyond=words, told=name)  # fmt: skip
 
 
 def covered(known: Range | None, scale: float = 1.0, both: bool = False) -> Range | None:
