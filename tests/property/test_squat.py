@@ -11,13 +11,18 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.model.water import GIVES, sinkage_by
+from narrows.model.water import GIVES, SquatFormula
 from narrows.physics import squat_and_depth as formulas
+from narrows.quantities.names import evaluate
 
 SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
 
 DTC = nw.Configuration(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
 KNOT = 1852 / 3600
+
+
+def sinkage_by(formula: SquatFormula, configuration: nw.Configuration, speed: float) -> float:
+    return float(evaluate(formula.function, {**configuration.values(), "u": speed}))
 
 
 @pytest.mark.parametrize(("name", "value"), [("huuska", 0.458), ("barrass", 0.566), ("tuck_midship", 0.144)])

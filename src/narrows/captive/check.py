@@ -280,9 +280,14 @@ def check_kinematics(
 
 def kinematic_consistency(motions: MotionColumns) -> dict[str, Agreement]:
     """Compare the changes of each column with its rate, by column."""
-    rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
-    lapses = _lapses(motions)
-    return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
+    columns, length, lapses = motions.columns, motions.length, _lapses(motions)
+    speed = float(np.abs(columns.get("u", np.ones(1))).mean())
+    sizes = {"x": length, "y": length, "psi": 1.0, "u": speed, "v": speed, "r": speed / length}
+    return {
+        name: _agreement(columns[name], rate, lapses, motions.starts)
+        for name, rate in rates_of(columns).items()
+        if np.std(columns[name]) > sizes[name] * settings.SHAKE  # More than a carriage's vibration
+    }
 
 
 def rates_of(columns: Columns) -> dict[str, np.ndarray]:
@@ -296,14 +301,6 @@ def rates_of(columns: Columns) -> dict[str, np.ndarray]:
     means = {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}
     # A carriage may count x to either end of the tank.
     return means | ({"x": np.copysign(means["x"], np.diff(columns["x"]))} if "x" in means else {})
-
-
-def _moves(motions: MotionColumns, name: str) -> bool:
-    """Return whether a column varies by more than a carriage's vibration."""
-    speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
-    length = motions.length
-    sizes = {"x": length, "y": length, "psi": 1.0, "u": speed, "v": speed, "r": speed / length}
-    return bool(np.std(motions.columns[name]) > sizes[name] * settings.SHAKE)
 
 
 def _lapses(motions: MotionColumns) -> np.ndarray:

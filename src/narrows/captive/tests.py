@@ -117,8 +117,7 @@ class CaptiveTests(Configured, Tabulated):
         return len(self.names)
 
     def __iter__(self) -> "Iterator[CaptiveTests]":
-        places = np.arange(len(self.names))
-        return (self.where(places == place) for place in places)
+        return (self[place] for place in range(len(self)))
 
     def __contains__(self, name: object) -> bool:
         return name in self.columns or name in self.names

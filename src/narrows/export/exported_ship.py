@@ -27,7 +27,7 @@ from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.settings import NEAR_THE_BANK
-from narrows.simulation.ship import Channel, SimulatedShip, Steering, limits_of, steering_of
+from narrows.simulation.ship import Channel, SimulatedShip, Steering, steering_of
 from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
@@ -189,9 +189,9 @@ class ExportedShip:
 
     @cached_property
     def _derived(self) -> dict[str, Expr]:
-        least = limits_of(self.ship.shape)["least_cos"]
         known: dict[str, Any] = {
-            "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),
+            "half_length": real("length") / 2, "half_beam": real("beam") / 2,
+            "least_cos": Float(self.channel.inputs["least_cos"], 17),
             "near_bank": Float(NEAR_THE_BANK, 17) * real("width"), "hull_length": real("length"),
             **{name: real("width") / 2 for name in WALLS if name not in self._values}, **self.water,
         }  # fmt: skip

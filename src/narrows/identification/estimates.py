@@ -381,7 +381,7 @@ def depth_tests(
 
     bank = [i for i, term in enumerate(problem.terms.terms) if term.from_bank]
     depth = motions.features["depth"]
-    groups = sorted(grouped(depth), key=lambda members: float(depth[members].mean()))
+    groups = grouped(depth)
     if len(groups) < 2 or not bank:
         return {}
     depths, found = [], []

@@ -193,9 +193,6 @@ class Comparison(BaseResult):
     fits: Mapping[str, Fit]  #: Fits by the name of the table
     left_out: Mapping[str, str]  #: Tables that were not fitted, and why
 
-    def __repr__(self) -> str:
-        return f"<Comparison of {', '.join(self.fits)}>"
-
     @property
     def best(self) -> dict[str, str]:
         """The table with the smallest error on tests left out, by force."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 
 from narrows.identification.least_squares import Problem
 from narrows.identification.normal_equations import ONE, NormalEquations
@@ -51,7 +52,7 @@ class DistinctMotions:
 
     @property
     def by_speed(self) -> list[np.ndarray]:
-        return sorted(grouped(self.features["speed"]), key=lambda members: float(self.features["speed"][members[0]]))
+        return grouped(self.features["speed"])
 
     @property
     def sentence(self) -> str:
@@ -118,18 +119,13 @@ def numbered(values: Sequence[float] | np.ndarray) -> np.ndarray:
         if not abs(values[i] - first) <= EDGE * 0.05 * abs(first):
             first, count = float(values[i]), count + 1
         group[i] = count
-    return _in_order_of_appearance(group)
+    return pd.factorize(group)[0]
 
 
 def grouped(values: np.ndarray) -> list[np.ndarray]:
-    """Indices of the values of each number."""
+    """Indices of the values of each number, the smallest values first."""
     number = numbered(values)
-    return [np.flatnonzero(number == own) for own in range(number.max() + 1)]
-
-
-def _in_order_of_appearance(group: np.ndarray) -> np.ndarray:
-    _, first, inverse = np.unique(group, return_index=True, return_inverse=True)
-    return np.asarray(np.argsort(np.argsort(first))[inverse.ravel()])
+    return sorted((np.flatnonzero(number == own) for own in range(number.max() + 1)), key=lambda own: values[own[0]])
 
 
 def _same_motion(features: np.ndarray, scales: np.ndarray, steady: np.ndarray) -> np.ndarray:
@@ -143,7 +139,7 @@ def _same_motion(features: np.ndarray, scales: np.ndarray, steady: np.ndarray) -
         if not same.size:
             firsts.append(int(i))
         group[i] = same[0] if same.size else len(firsts) - 1
-    return _in_order_of_appearance(group)
+    return pd.factorize(group)[0]
 
 
 # Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].

@@ -62,9 +62,6 @@ class Plan(Tabulated):
     considered: int  #: Number of candidate runs
     notes: tuple[str, ...]  #: Assumed noise and length of a run
 
-    def __repr__(self) -> str:
-        return f"<Plan of {len(self.runs)} runs of {self.considered} for {', '.join(self.targets)}>"
-
     @property
     def reach(self) -> dict[str, float]:
         """Half of the 95 % interval of each target in a fit to all runs, in the coefficient's unit."""

@@ -117,11 +117,8 @@ class Model(Configured, Operations):
         return f"<Model of {self.ship.name}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
 
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Model):
-            return NotImplemented
-        return all(np.array_equal(getattr(self, own.name), getattr(other, own.name)) for own in fields(self))
-
-    __hash__ = None  # type: ignore[assignment]
+        same = (np.array_equal(getattr(self, own.name), getattr(other, own.name)) for own in fields(self))
+        return isinstance(other, Model) and all(same)
 
     def __getitem__(self, name: str) -> float:
         """The value of a coefficient [SI]."""

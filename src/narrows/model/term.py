@@ -189,9 +189,6 @@ class TermTable(BaseSummary):
             if name not in names:
                 raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")
 
-    def __repr__(self) -> str:
-        return f"<TermTable {self.name}: {len(self.names)} terms>"
-
     def summary(self) -> str:
         counts = ", ".join(f"{len(terms)} of {force}" for force, terms in self.forces.items())
         return f"The terms {self.name}: {counts}; they need {', '.join(self.inputs)}."

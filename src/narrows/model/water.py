@@ -107,11 +107,6 @@ def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
     }
 
 
-def sinkage_by(formula: SquatFormula, configuration: Configuration, speed: float) -> float:
-    """Evaluate a formula for a ship in a canal of known depth, at a speed through the water [m/s]: sinkage [m]."""
-    return float(evaluate(formula.function, {**configuration.values(), "u": speed}))
-
-
 def limits_left(formula: SquatFormula, configuration: Configuration, speed: float) -> tuple[str, ...]:
     """Describe where a ship is outside the formula's range."""
     values = ratios(configuration, speed)
@@ -205,7 +200,7 @@ def squat(
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
     notes = (*doubts, *limits_left(chosen, configuration, u))
-    sinkage = sinkage_by(chosen, configuration, u)
+    sinkage = float(evaluate(chosen.function, {**configuration.values(), "u": u}))
     if formula is None and (narrow := float(_of_voyages(configuration, u)[kind])) > sinkage:
         less = f"{name} gives less"
         return Squat(narrow, "continuity", kind, critical, (less,), (configuration, u))

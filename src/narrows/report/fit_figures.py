@@ -7,7 +7,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.base.errors import check_choice
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Comparison, Explanation, Fit
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import Comparison, Explanation
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper

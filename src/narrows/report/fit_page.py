@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from narrows.base.files import write_whole
 from narrows.base.results import with_error
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Explanation, Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import Explanation
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
 from narrows.model.term import Term

@@ -16,8 +16,9 @@ from narrows.base.results import interval, readable
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
 
-    from narrows.identification import Explanation, Fit
     from narrows.identification.bank_summary import BankSummary
+    from narrows.identification.fit import Fit
+    from narrows.identification.fitting import Explanation
     from narrows.identification.plan import Plan
     from narrows.model.derived_models import Scaled
     from narrows.model.model import Model

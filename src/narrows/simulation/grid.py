@@ -16,6 +16,7 @@ from narrows.quantities.names import FORCES, PARTICULARS
 from narrows.ship.actuators import STANDARD, particulars_with, places_of
 from narrows.ship.checks import check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import START, STEADY
+from narrows.simulation.kernel_run import OUTPUTS
 from narrows.simulation.outcome import KINDS, WAYS
 from narrows.simulation.settings import MOST_SAMPLES
 
@@ -109,9 +110,6 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
 
 Columns = Mapping[str, xr.DataArray]
 
-# Names of the results.
-TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end")
-
 
 def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> xr.DataArray:
     """Return a number, a sequence or a DataArray as a column of finite numbers with named dimensions."""
@@ -129,7 +127,7 @@ def labelled(name: str, value: Any, places: Mapping[str, str] | None = None) -> 
     if not array.size:
         raise InputError(f"{name} is empty; give at least one value")
     for dimension in array.dims:
-        if not isinstance(dimension, str) or dimension in TAKEN or array.dims.count(dimension) > 1:
+        if not isinstance(dimension, str) or dimension in OUTPUTS or array.dims.count(dimension) > 1:
             raise InputError(f"{name} has a dimension {shown(dimension)}, which cannot be one; name it otherwise")
     check_number((places or {}).get(name, name), array)
     return array

@@ -41,9 +41,6 @@ class Sensitivities(BaseResult):
     values: Mapping[str, float]  #: Their values in the voyage
     model: Model  #: The ship
 
-    def __repr__(self) -> str:
-        return f"<Sensitivities of {self.voyage!r} by {len(self.by)} numbers>"
-
     @property
     def notes(self) -> tuple[str, ...]:
         """The voyage's notes."""

@@ -66,16 +66,10 @@ class Channel:
         return np.where(ends == event.SHALLOW, np.where(choked, Code.CHOKED, Code.TOUCHED), ends)
 
 
-def limits_of(contact: str | Outline | int) -> dict[str, float]:
-    # In open water no heading counts as across: no cosine is below -2.
-    least = -2.0 if contact == OPEN else math.cos(HEADING_LIMIT)
-    return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
-
-
 def straight_channel(values: Mapping[str, Number], contact: str | Outline, bottom: bool = False) -> Channel:
     half = values["width"] / 2
     walls = {name: values.get(name, half) for name in ("wall_starboard", "wall_port")}
-    inputs = {**hull_inputs(values, contact), **walls, **limits_of(contact)}
+    inputs = {**hull_inputs(values, contact), **walls}
     if not bottom:
         return Channel(inputs)
     fastest, chokes = _afloat(values if contact != OPEN else {**values, "width": math.inf})
@@ -120,7 +114,7 @@ def _from_cells(
     inputs = {
         "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
         "last_cell": float(len(cells) - 1), "current": current,
-        **hull_inputs(model.configuration.values(), contact), **limits_of(contact),
+        **hull_inputs(model.configuration.values(), contact),
     }  # fmt: skip
     return Channel(inputs, cells.ravel(), table.track, np.array(outline).ravel(), 0.0, float(table.s[-1]), chokes)
 
@@ -176,7 +170,12 @@ def bend_channel(
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:
-    inputs = {"half_length": values["length"] / 2, "half_beam": values["beam"] / 2}
+    # In open water no heading counts as across: no cosine is below -2.
+    least = -2.0 if contact == OPEN else math.cos(HEADING_LIMIT)
+    inputs = {
+        "half_length": values["length"] / 2, "half_beam": values["beam"] / 2, "least_cos": least,
+        "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT,
+    }  # fmt: skip
     if isinstance(contact, str):
         return inputs
     points = {f"outline_forward_{i}": forward for i, (forward, _) in enumerate(contact)}

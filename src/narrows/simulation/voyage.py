@@ -68,9 +68,6 @@ class Voyage(Tabulated):
     moved: Mapping[Actuator, np.ndarray] = field(default_factory=dict)
     __eq__ = same_content
 
-    def __repr__(self) -> str:
-        return f"<Voyage of {self.configuration.ship.name}: {self.outcome.kind} after {self.outcome.time:.2f} s>"
-
     def __len__(self) -> int:
         return len(self.t)
 

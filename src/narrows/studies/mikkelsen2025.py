@@ -10,7 +10,8 @@ import numpy as np
 from narrows.base.results import BaseResult
 from narrows.captive.synthetic import twin
 from narrows.empirical.fleet import published
-from narrows.identification import Fit, identify
+from narrows.identification.fit import Fit
+from narrows.identification.fitting import identify
 from narrows.model.model import Model
 from narrows.simulation.derivative import stability
 from narrows.simulation.ensemble import ensemble
