@@ -548,6 +548,7 @@ assert voyage.at(voyage.t[5]).y == voyage.y[5] and len(voyage.interp([1.0, 2.0])
 assert nw.ukc(kcs, u=5.0) == kcs.under_keel_clearance(u=5.0) == nw.squat(kcs, 5.0).ukc
 assert kcs.poles(u=4.0).shape == (4,) and kcs.advance(35) == nw.turning_circle(kcs, 35).advance
 steered = nw.simulate(kcs, u=4, rudder=lambda t, s: 0.1 - s.r, duration=9); assert steered.rudder[-1] > 0
+ordered = nw.simulate(kcs, u=4, rudder=lambda t: 0.1, duration=9); assert abs(ordered.rudder[-1] - 0.1) < 1e-9
 wide = nw.turning_circle(kcs, np.deg2rad(35)); assert "radians" in str(wide.notes)
 assert abs(wide.advance / kcs.advance(35) - 1) < 1e-9
 assert nw.squat(kcs, 5.0, method="barrass").gives == "largest"

@@ -45,6 +45,8 @@ def test_residuals_are_drawn_over_estimates(fit: nw.Fit) -> None:
     assert np.sort(drawn) == pytest.approx(np.sort(fit.residuals["Y"]))
     with pytest.raises(nw.InputError, match="force = 'K' is unknown"):
         fit.plot_residuals(force="K")
+    timeless = nw.read_captive(fit.tests.to_dataframe().drop(columns="t"), fit.tests.configuration)
+    assert len(nw.identify(timeless).plot_residuals(force="Y").axes) == 1
 
 
 def test_a_film_ends_where_the_voyage_does(tmp_path) -> None:

@@ -117,7 +117,9 @@ def accept_aliases(function: Function) -> Function:
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
         if callable(given.get("rudder")) and "controller" in names:
-            given["controller"] = given.pop("rudder")
+            law = given.pop("rudder")
+            of_time = inspect.isfunction(law) and len(inspect.signature(law).parameters) == 1
+            given["controller"] = (lambda t, state: law(t)) if of_time else law
         canal = {ours: given.pop(name) for name in [*given] if (ours := arguments.of_canal(name, given))}
         given = arguments.renamed(_with_parts(arguments.parameters, names[len(values) :], given))
         values = (*map(arguments.converted, names, values), *values[len(names) :])

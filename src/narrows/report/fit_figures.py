@@ -51,7 +51,7 @@ def residuals_figure(fit: Fit, given: Axes | None = None, force: str | None = No
         figure, axes = panels(len(forces), 1, 0.5 + 1.9 * len(forces))
     for panel, force in zip(axes[:, 0], forces, strict=True):
         for test, own in residuals[force].groupby(level="test", sort=False):
-            panel.plot(estimates[force].xs(test, level="test"), own, ".", markersize=2, alpha=0.5)
+            panel.plot(estimates[force].loc[[str(test)]], own, ".", markersize=2, alpha=0.5)
         panel.axhline(0.0, color=BLACK, linewidth=0.7)
         name, _, unit = FORCE_LABELS[force].rpartition(" [")
         panel.set(xlabel=f"estimated {name} [{unit}", ylabel=f"measured less\nestimated {force} [{unit}")
