@@ -94,6 +94,8 @@ def test_a_covariance_must_be_one(tmp_path) -> None:
     ("words", "said"),
     [
         (("map", "mikkelsen2025_dtc", "--samples", "20", "--within", "-10"), "no distance"),
+        (("trials", "yasukawa2015_kvlcc2", "--speed", "1.2", "--turn-deg", "0.6"), "give degrees from 1"),
+        (("trials", "yasukawa2015_kvlcc2", "--speed", "1.2", "--zigzags", "10/0.5"), "give degrees from 1"),
         (("scale", "mikkelsen2025_dtc", "--length", "355", "--width", "0"), "must be positive"),
     ],
 )

@@ -8,13 +8,12 @@ from typing import IO, Any
 
 # Size of a file that takes long to read [bytes].
 LARGE_FILE = 20_000_000
-Listener = Callable[[str], None]
 # Listeners to long operations, such as the command line on a terminal.
-LISTENERS: list[Listener] = []
+LISTENERS: list[Callable[[str], None]] = []
 
 
 @contextmanager
-def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
+def listening(listener: Callable[[str], None], wanted: bool = True) -> Iterator[None]:
     """Listen to long operations: log lines of the package, with bars."""
     if not wanted:
         yield

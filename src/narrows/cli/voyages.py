@@ -212,6 +212,8 @@ def trials(
     """
     from narrows.report.printed_tables import print_manoeuvres
 
+    if small := [angle for angle in (turn_deg, *sum(zigzags, ())) if 0 < abs(angle) < 1]:
+        raise InputError(f"trials at {small[0]:g} degrees turn no ship; give degrees from 1, or --turn-deg 0.6rad")
     result = nw.sail_trials(model_named(model), speed, turn_deg, zigzags, dt)
     delivery.give(result, print_manoeuvres)
 
