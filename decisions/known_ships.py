@@ -17,7 +17,7 @@ import math
 import sys
 import tomllib
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -232,7 +232,7 @@ def calibrated(ships: tuple[KnownShip, ...] = KNOWN_SHIPS) -> Calibration:
 
 def text() -> str:
     found = calibrated()
-    rows = {name: asdict(row) for name, row in found.errors.items()}
+    rows = {name: row._asdict() for name, row in found.errors.items()}
     lines = [f"{json.dumps(name)}: {json.dumps(row)}" for name, row in rows.items()]
     matrix = ",\n".join(json.dumps(row) for row in found.correlation.tolist())
     return '{"errors": {\n' + ",\n".join(lines) + '\n}, "correlation": [\n' + matrix + "\n]}\n"

@@ -99,8 +99,7 @@ def test_tangents_of_a_step_in_a_waterway_are_differences(name: str, law: str) -
     steering = steering_of(LAWS[law], ship.actuators)
     system, values = ship.system(True, steering.law), ship.values()
     channel = along_waterway(bent(hull.length, model.configuration.canal.width), model, ship.shape)
-    step = step_of(system.rates, system.choices)
-    kept, lines = system.choices.kept, step.lines
+    (lines, after), kept = step_of(system.rates, system.choices), system.choices.kept
     inputs = {
         **values, **system.constants(values), **channel.inputs, **steering.parameters, "step_length": 0.3, "share": 0.7,
     }  # fmt: skip
@@ -115,7 +114,7 @@ def test_tangents_of_a_step_in_a_waterway_are_differences(name: str, law: str) -
     everything = {**{n: float(inputs[n]) for n in system.scalar.STEP_INPUTS}, **start}
     unit = {real(n): [int(k == place) for k in range(len(moved))] for place, n in enumerate(moved)}
     more, slopes_of = with_tangents(lines, unit, len(moved))
-    rows = {n: step.out[n] for n in (*kept, "clearance", "side")}
+    rows = {n: after[n] for n in (*kept, "clearance", "side")}
     out = [*rows.values(), *(entry for value in rows.values() for entry in slopes_of(value))]
     text = function_text("tangent", ("table", *everything), more.needed_for(out).assignments, out)
     table = channel.table.tolist()

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from keyword import iskeyword
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from narrows.base.errors import InputError
 from narrows.codegen.trace import Trace
@@ -236,8 +236,7 @@ def stages_at(actuators: Iterable[Actuated], position: Callable[[str], Any]) -> 
     return {stage: position(actuator.name) for actuator in actuators for stage in actuator.stages}
 
 
-@dataclass(frozen=True)
-class Law:
+class Law(NamedTuple):
     trace: Trace  # Results: orders by actuator name, new memory by its names
     memory: tuple[str, ...]  # Numbers stored from step to step
     ordered: tuple[Actuated, ...]  # Actuators that it orders

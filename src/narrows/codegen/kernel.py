@@ -17,7 +17,7 @@ from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import Expr, LaneLoops, Lines, asked_by, positive, real, rounds, straight_lines, symbols_of
 from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
 from narrows.codegen.printers.translation import Language
-from narrows.codegen.step import Rates, Step, ends_left, least_clearance, step_of
+from narrows.codegen.step import Rates, ends_left, least_clearance, step_of
 from narrows.quantities.names import FORCES
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
@@ -31,12 +31,12 @@ def plain_text(choices: Choices, rates: Rates) -> str:
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
     clearance, side = least_clearance(lines, choices, state)
     left = dict(zip(ENDS, ends_of(ends, choices, state), strict=True))
-    step, (program, derivatives) = step_of(rates, choices), rates.program()
+    (step, after), (program, derivatives) = step_of(rates, choices), rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
         constants_text(rates.parameters, rates.constants),
         _function("rates", program, {name: derivatives[name] for name in STATE}, STATE),
-        _function("step", step.lines, {name: step.out[name] for name in (*kept, "clearance", "side")}, kept, "table"),
+        _function("step", step, {name: after[name] for name in (*kept, "clearance", "side")}, kept, "table"),
         _function("least_clearance", lines, {"clearance": clearance, "side": side}, STATE[:5], "table"),
         _function("ends", ends, left, STATE[:5], "table"),
     ]
@@ -61,9 +61,9 @@ class Kernel(Language):
 
 def kernel_text(choices: Choices, rates: Rates) -> str:
     """Write the function ``step(block, table, shared)`` of a block of vessels, (fields, lanes), and its ends."""
-    step, kept = step_of(rates, choices, whole=True), choices.kept
-    out = tuple(step.out.values())
-    needed = step.lines.needed_for(out)
+    (lines, after), kept = step_of(rates, choices, whole=True), choices.kept
+    out = tuple(after.values())
+    needed = lines.needed_for(out)
     loops = LaneLoops(rounds(needed), out)
     inputs = {*asked_by(needed.assignments, out), *SPEED_LIMITS.values()} - {*kept, *BOOK}
     vessel_inputs = tuple(sorted(inputs - {*SHARED}))
@@ -81,7 +81,7 @@ def kernel_text(choices: Choices, rates: Rates) -> str:
         inside = Kernel().loop_body(loops, number, places)
         if number == len(loops.parts) - 1:
             own = (f"{name} = {places[name]}" for name in sorted({*kept} - loops.read[number]))
-            inside += [*own, *_close(choices, step, places)]
+            inside += [*own, *_close(choices, after, places)]
         body += [f"for lane in range({LANES}):", *(f"    {line}" for line in inside)]
     text = "\n    ".join(["def step(block, table, shared):", *body, "return any_false(all_well)"]) + "\n"
     return module_text(choices.row, names, *_end_texts(choices, places), text)
@@ -98,8 +98,8 @@ def _end_texts(choices: Choices, places: Mapping[str, str]) -> Iterator[str]:
         yield function_text(name, ("block", "lane", *first, "table", "shared"), lines.assignments, results, head)
 
 
-def _close(choices: Choices, step: Step, places: Mapping[str, str]) -> Iterator[str]:
-    out = {name: plain.doprint(sympify(value)) for name, value in step.out.items()}
+def _close(choices: Choices, after: Mapping[str, Expr], places: Mapping[str, str]) -> Iterator[str]:
+    out = {name: plain.doprint(sympify(value)) for name, value in after.items()}
     yield from (f"{places[f'old {name}']} = {name}" for name in choices.kept)
     yield f"clearance_before = {places['clearance']}"
     yield f"{places['clearance_before']} = clearance_before"
@@ -205,9 +205,9 @@ SLOPE = "d_{}".format
 
 def tangent_text(choices: Choices, rates: Rates, moving: Sequence[str]) -> str:
     """Write the module of the function ``step(z, block, inputs, table)``, in place."""
-    kept, fields, whole = choices.kept, (*choices.kept, *moving), step_of(rates, choices, whole=True)
-    out, seeds = [whole.out[name] for name in kept], {real(name): [real(SLOPE(name))] for name in fields}
-    lines, slopes_of = with_tangents(whole.lines.needed_for(out), seeds, 1)
+    kept, fields, (step, after) = choices.kept, (*choices.kept, *moving), step_of(rates, choices, whole=True)
+    out, seeds = [after[name] for name in kept], {real(name): [real(SLOPE(name))] for name in fields}
+    lines, slopes_of = with_tangents(step.needed_for(out), seeds, 1)
     slopes = [slopes_of(value)[0] for value in out]
     program = lines.needed_for([*out, *slopes]).assignments
     rest = {LENGTH, *asked_by(program, out)} - {*fields, *map(SLOPE, fields)}

@@ -59,9 +59,6 @@ class Linearisation:
 
         return derivatives
 
-    def state(self, at: Mapping[str, Number]) -> np.ndarray:
-        return self.linear(at)[..., : len(LINEARISED)]
-
     def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the same rates by every coefficient of the table: (..., 6, n)."""
         slopes = self._matrix("coefficients", at, len(FORCES))

@@ -127,16 +127,10 @@ def _grouped(parts: Iterable[tuple[Expr, Expr]], factors: Sequence[Expr]) -> Exp
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
 
 
-@dataclass(frozen=True)
-class Step:
-    lines: Lines  # The program
-    # State after the step; ``clearance`` [m], the smallest margin to a bank, an end of the waterway and the limit of
-    # heading; ``side`` [m], positive if the starboard bank is nearer
-    out: Mapping[str, Expr]
-
-
-def step_of(rates: Rates, choices: Choices, whole: bool = False) -> Step:
+def step_of(rates: Rates, choices: Choices, whole: bool = False) -> tuple[Lines, dict[str, Expr]]:
     """Write a step, or a share of it; ``whole`` is for engines that take whole steps only."""
+    # Its results: the state after it; ``clearance`` [m], the smallest margin to a bank, an end of the waterway and the
+    # limit of heading; ``side`` [m], positive if the starboard bank is nearer.
     lines, z = Lines(), {name: real(name) for name in choices.kept}
     share = sympy.Integer(1) if whole else real(SHARE)
     h = lines.put("h", real(LENGTH) * share)
@@ -155,7 +149,7 @@ def step_of(rates: Rates, choices: Choices, whole: bool = False) -> Step:
         out[TIME] = lines.put("t_new", z[TIME] + h)
     out |= after
     out["clearance"], out["side"] = least_clearance(lines, choices, after)
-    return Step(lines, out)
+    return lines, out
 
 
 def section_at(lines: Lines, choices: Choices, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 from scipy.stats import norm, t
@@ -60,8 +61,7 @@ RANGES = {
 AGREE, ALONE = "independent transcriptions agree", "unverified: one transcription"
 
 
-@dataclass(frozen=True)
-class Formula:
+class Formula(NamedTuple):
     coefficient: str  # Name in the table of terms, or a particular of propeller or rudder
     source: str
     law: Callable[[Hull], Number]
@@ -199,8 +199,7 @@ SIGNED = ("X_mx", "X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r", "Y_vvv", "Y_vrr", 
 COEFFICIENTS = tuple(dict.fromkeys(formula.coefficient for formula in FORMULAS))
 
 
-@dataclass(frozen=True)
-class Uncertain:
+class Uncertain(NamedTuple):
     value: float
     std: float
 
@@ -210,8 +209,7 @@ def tail_factor(degrees: float) -> float:
     return float(t.ppf(0.975, degrees) / norm.ppf(0.975))
 
 
-@dataclass(frozen=True)
-class FormulaErrors:
+class FormulaErrors(NamedTuple):
     """Errors of the formulas of one coefficient on the known ships: of logarithms for one of known sign."""
 
     weights: Sequence[float]  # Weights of the formulas in their mean
@@ -263,8 +261,7 @@ VISCOSITY = 1.19e-6  # Kinematic viscosity of sea water at 15 degrees [m2/s]
 LARGEST_FROUDE = 0.35  # Beyond it wave resistance dominates, which is not estimated
 
 
-@dataclass(frozen=True)
-class ShipType:
+class ShipType(NamedTuple):
     words: str
     block_coefficient: float
     length_to_beam: float

@@ -17,7 +17,7 @@ from narrows.codegen.free_motion import AFLOAT_SPEED, INPUTS, LENGTH, OPEN, Actu
 from narrows.codegen.kernel import coefficient_slopes, linear_slopes
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import FUNCTIONS, Expr, Lines, Program, real, straight_lines
-from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
+from narrows.codegen.step import Rates, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
 from narrows.export.passport import RANGE_BITS, passport
@@ -115,8 +115,8 @@ class ExportedShip:
         return Rates(self.ship.system().rates.motion, (*INPUTS.values(), *controls, *section), pushed=True)
 
     @cached_property
-    def step(self) -> Step:
-        """A whole step, with the places where a loop over vessels may be split."""
+    def step(self) -> tuple[Lines, dict[str, Expr]]:
+        """A whole step and its results, with the places where a loop over vessels may be split."""
         return step_of(self.rates, self.choices, whole=True)
 
     @cached_property
@@ -127,7 +127,8 @@ class ExportedShip:
 
     @cached_property
     def _equations(self) -> dict[str, Program]:
-        (lines, rates), by, near, symbols = self._rates_here, Lines(), Lines(), self.rates.symbols
+        (lines, rates), (step, after), by, near = self._rates_here, self.step, Lines(), Lines()
+        symbols = self.rates.symbols
         if self.waterway:
             symbols, _ = section_here(by, self.rates, self.choices, symbols, "")
         more, entries = linear_slopes(lines, rates, self.ship.actuators)
@@ -135,7 +136,7 @@ class ExportedShip:
         names = self.ship.model.terms.names
         programs = {
             "rates": Program.of(lines, [rates[name] for name in self.kept if name in rates]),
-            "step": Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")]),
+            "step": Program.of(step, [after[name] for name in (*self.kept, "clearance", "side")]),
             "least_clearance": Program.of(near, least_clearance(near, self.choices, self.rates.symbols)),
             "by_state": Program.of(more, [entry for row in rows for entry in row[:6]]),
             "by_input": Program.of(more, [entry for row in rows for entry in row[6:]]),
@@ -166,11 +167,11 @@ class ExportedShip:
     @cached_property
     def continuous(self) -> tuple[Program, Program]:
         """Rates of x, y, psi, u, v, r, and those of the gear."""
-        lines, rates = self._rates_here
+        (lines, rates), (step, after) = self._rates_here, self.step
         motion = Program.of(lines, [rates[name] for name in LINEARISED])
         # The rate equals that of a whole step.
-        moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.choices.gear]
-        return motion, Program.of(self.step.lines, moved)
+        moved = [(after[name] - real(name)) / real(LENGTH) for name in self.choices.gear]
+        return motion, Program.of(step, moved)
 
     @cached_property
     def water(self) -> dict[str, Expr]:

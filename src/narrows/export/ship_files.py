@@ -175,11 +175,10 @@ def _block(exported: ExportedShip) -> list[str]:
     places = places_in(exported, language)
     for column, rows in (("state", exported.kept), ("inputs", exported.input_names)):
         places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
-    results = {
-        f"state[{number}][lane]": exported.step.out[name]
-        for number, name in enumerate((*exported.kept, "clearance", "side"))
-    }
-    return c_block(exported.step.lines, results, places, language, f"{exported.prefix.upper()}_LANES")
+    lines, after = exported.step
+    kept = (*exported.kept, "clearance", "side")
+    results = {f"state[{number}][lane]": after[name] for number, name in enumerate(kept)}
+    return c_block(lines, results, places, language, f"{exported.prefix.upper()}_LANES")
 
 
 def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:

@@ -4,7 +4,6 @@ import json
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -196,8 +195,7 @@ REACH = 1000.0
 SHELF = 0.01
 
 
-@dataclass(frozen=True)
-class Chart:
+class Chart(NamedTuple):
     banks: tuple[np.ndarray, ...]  # (n, 2) Lines, longitude and latitude [deg]
     # Areas with their holes, as Shapely geometries in longitude and latitude [deg], and the least depth in each [m]
     areas: tuple[tuple[Any, float], ...]
