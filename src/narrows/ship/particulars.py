@@ -175,9 +175,7 @@ class Configuration(BaseSummary):
     def with_parts(self, parts: Iterable[Part]) -> "Configuration":
         """Return the configuration with other sections of actuators, ``parts``; those of other names stay."""
         new = {**self.parts, **{part.SECTION: part for part in parts}}
-        fixed: dict[str, Any] = {
-            part_type.SECTION: new.pop(part_type.SECTION, None) for part_type in (SteeringGear, Propeller, Rudder)
-        }
+        fixed: dict[str, Any] = {name: new.pop(name, None) for name in ("steering", "propeller", "rudder")}
         return replace(self, **fixed, others=tuple(new.values()))
 
     def values(self) -> dict[str, float]:

@@ -100,8 +100,8 @@ class Equations:
         values: list[Any] = []
         for number, (sign, *operands) in enumerate(lines):
             if sign == "input":
-                written = WRITTEN.get(operands[0], rf"\text{{{operands[0].replace('_', ' ')}}}")
-                values.append(self._symbol(symbol(operands[0]), written))
+                values.append(symbol(operands[0]))
+                self.symbols[values[-1]] = WRITTEN.get(operands[0], rf"\text{{{operands[0].replace('_', ' ')}}}")
             elif sign == "number":
                 values.append(_constant(operands[0]))
             else:
@@ -110,13 +110,11 @@ class Equations:
                 values[-1] = self._defined(named[number], values[-1])
         self.regressors: dict[str, Expr] = {name: values[line] for name, line in results.items()}
 
-    def _symbol(self, name: Expr, written: str) -> Expr:
-        self.symbols[name] = written
-        return name
-
     def _defined(self, written: str, value: Expr) -> Expr:
         self.meanings[written] = value
-        return self._symbol(symbol(f"defined_{len(self.meanings)}"), written)
+        name = symbol(f"defined_{len(self.meanings)}")
+        self.symbols[name] = written
+        return name
 
     def _operation(self, sign: str, operands: list[int], values: list[Any]) -> Expr:
         """Do an operation; if it makes a line too long, its longest operand gets a symbol first."""

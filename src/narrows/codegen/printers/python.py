@@ -160,12 +160,8 @@ def _constants(node: ast.stmt) -> Iterator[tuple[str, Any]]:
     except ValueError:
         return
     for target in node.targets:
-        if isinstance(target, ast.Tuple):
-            yield from (
-                (name.id, one) for name, one in zip(target.elts, value, strict=True) if isinstance(name, ast.Name)
-            )
-        elif isinstance(target, ast.Name):
-            yield target.id, value
+        pairs = zip(target.elts, value, strict=True) if isinstance(target, ast.Tuple) else [(target, value)]
+        yield from ((name.id, one) for name, one in pairs if isinstance(name, ast.Name))
 
 
 # Elementary functions without branches or calls of the C library, so that loops over lanes vectorise.
