@@ -71,7 +71,6 @@ def test_jacobians_are_differences(name: str, surge: str) -> None:
         return rates(replace(model, coefficients=own), at, free, given)
 
     expected = {
-        "state": slopes(lambda own: at_state(**own), {n: at[n] for n in LINEARISED}),
         "linear": slopes(lambda own: at_state(**own), {n: at[n] for n in (*LINEARISED, *driven)}),
         "coefficients": slopes(with_coefficients, {n: model.coefficients[n] for n in model.terms.names}),
     }
@@ -85,7 +84,7 @@ def test_columns_go_through(name: str) -> None:
     ship = SimulatedShip(MODELS[name]())
     exact = ship.system().linearisation(ship.values(), ship.actuators)
     columns = {**states(6), "rudder": np.linspace(-0.3, 0.3, 6), "revolutions": np.linspace(6.0, 12.0, 6)}
-    for kind in ("state", "linear", "coefficients"):
+    for kind in ("linear", "coefficients"):
         many = getattr(exact, kind)(columns)
         assert many.shape[:2] == (6, 6)
         for row in range(6):
@@ -96,16 +95,16 @@ def test_columns_go_through(name: str) -> None:
 def test_coefficients_of_a_fleet_go_through() -> None:
     ship = SimulatedShip(model_of(nw.PAPER))
     system, b_v = ship.system(), np.array([80.0, 100.0, 130.0])
-    many = system.linearisation({**ship.values(), "b_v": b_v}, ()).state(AT)
+    many = system.linearisation({**ship.values(), "b_v": b_v}, ()).linear(AT)
     for row, own in enumerate(b_v):
-        one = system.linearisation({**ship.values(), "b_v": own}, ()).state(AT)
+        one = system.linearisation({**ship.values(), "b_v": own}, ()).linear(AT)
         np.testing.assert_allclose(many[row], one, rtol=1e-13, atol=1e-15)
 
 
 def test_of_an_exactly_straight_course(dtc: nw.Model) -> None:
     """|v| v has no kink in its slope: no sign of nought is asked for, and the published poles come out."""
     ship = SimulatedShip(dtc)
-    matrix = ship.system().linearisation(ship.values(), ()).state({"u": 1.0})
+    matrix = ship.system().linearisation(ship.values(), ()).linear({"u": 1.0})
     poles = np.linalg.eigvals(matrix[np.ix_((1, 2, 4, 5), (1, 2, 4, 5))])
     pair = poles[np.argmax(poles.imag)]
     assert pair == pytest.approx(0.260 + 0.248j, abs=1e-3)
@@ -115,5 +114,5 @@ def test_heading_and_rudder_may_be_given_as_cosine_and_sine() -> None:
     ship = SimulatedShip(ACTUATED["steered"]())
     exact = ship.system().linearisation(ship.values(), ship.actuators)
     told = {"cos_psi": np.cos(0.1), "sin_psi": np.sin(0.1), "cos_rudder": np.cos(0.2), "sin_rudder": np.sin(0.2)}
-    one, other = (exact.state({"y": 0.4, "u": 1.0, **own}) for own in (told, {"psi": 0.1, "rudder": 0.2}))
+    one, other = (exact.linear({"y": 0.4, "u": 1.0, **own}) for own in (told, {"psi": 0.1, "rudder": 0.2}))
     np.testing.assert_array_equal(one, other)
