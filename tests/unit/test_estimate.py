@@ -128,7 +128,7 @@ def test_the_calibration_is_that_of_the_known_ships() -> None:
     kept, found = read_calibration(), calibrated()
     assert kept.errors.keys() == found.errors.keys()
     for name, errors in found.errors.items():
-        for key, number in vars(errors).items():
+        for key, number in errors._asdict().items():
             assert getattr(kept.errors[name], key) == pytest.approx(number, rel=1e-9), f"{name}: {key}"
     np.testing.assert_allclose(kept.correlation, found.correlation, rtol=0, atol=1e-9)
 
