@@ -85,7 +85,7 @@ def test_every_term_has_a_name_in_print() -> None:
 
 
 def test_angles_that_the_gear_does_not_reach_are_refused() -> None:
-    for asked in ({"turn_deg": 60.0}, {"zigzags": ((60.0, 10.0),)}):
+    for asked in ({"turn_deg": 60.0}, {"turn_deg": 0.0}, {"turn_deg": np.radians(0.6)}, {"zigzags": ((60.0, 10.0),)}):
         with pytest.raises(nw.InputError, match="the gear's 35"):
             nw.sail_trials(KVLCC2, 1.179, **asked)
     with pytest.raises(nw.InputError, match="must be a finite number"):

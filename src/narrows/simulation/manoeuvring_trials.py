@@ -237,8 +237,8 @@ class TrialShip:
             if 0 < abs(angle) < LEAST_DEG:
                 notes.append(f"the {name} of {angle:g} was read in radians, {math.degrees(angle):.4g} degrees")
                 angle = math.degrees(angle)
-            if name == "rudder" and not 0 < abs(angle) <= limit * (1 + 1e-9):
-                raise InputError(f"a rudder of {angle:g} degrees: choose one over 0, up to the gear's {limit:g}")
+            if name == "rudder" and not LEAST_DEG <= abs(angle) <= limit * (1 + 1e-9):
+                raise InputError(f"a rudder of {angle:g} degrees: choose {LEAST_DEG:g} to the gear's {limit:g}")
             found.append(math.radians(angle))
         return found, tuple(notes)
 
