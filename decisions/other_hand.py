@@ -16,6 +16,7 @@ import numpy as np
 import narrows as nw
 from narrows.logbook.steady_readings import steady_push
 from narrows.logbook.transits import TransitPilot, TransitTwin, gust_push, wandering
+from narrows.simulation.controllers import Order
 from narrows.simulation.initial_state import self_propulsion
 
 DEGREE = math.pi / 180
@@ -32,7 +33,7 @@ class LatePilot:
 
     pilot: TransitPilot
 
-    def begin(self) -> nw.simulation.controllers.Order:
+    def begin(self) -> Order:
         """Return the orders of one voyage."""
         by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.pilot.law.lines[0].gains)
         seen: deque = deque()

@@ -13,7 +13,8 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.captive.columns import BANKS, WALL
 from narrows.captive.measured import measured_files
-from narrows.model.water import limits_left, sinkage_by
+from narrows.model.water import limits_left
+from narrows.quantities.names import evaluate
 
 SQUAT_RUNS = measured_files("kcs")[0].with_name("lataire2009_squat.csv")
 
@@ -52,7 +53,7 @@ def cell(formula: nw.SquatFormula, runs: list[Run]) -> str:
     seen = [(s, u, m[formula.gives]) for s, u, m in runs if formula.gives in m and u < nw.choke_speed(s)]
     if not seen:
         return ""
-    told = np.array([sinkage_by(formula, s, u) for s, u, _ in seen])
+    told = np.array([float(evaluate(formula.function, {**s.values(), "u": u})) for s, u, _ in seen])
     measured = np.array([m for _, _, m in seen])
     inside = sum(not limits_left(formula, s, u) for s, u, _ in seen)
     bias, spread = 100 * np.median(told / measured - 1), 1e3 * np.sqrt(np.mean((told - measured) ** 2))

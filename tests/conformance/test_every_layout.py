@@ -7,12 +7,13 @@ import pandas as pd
 import pytest
 
 import narrows as nw
+from narrows.captive import measured
 from narrows.captive.columns import COLUMNS, LAYOUTS, Dtc, Layout, translated
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of
 
-MEASURED = Path(nw.captive.measured.__file__).parent
+MEASURED = Path(measured.__file__).parent
 still = np.zeros(400)
 DTC = (np.arange(1, 401) / 20.0, np.arange(1, 401) / 50.0, still, still, 2.0 + still, -30.0 + still, still, still)
 SAMPLES = {
