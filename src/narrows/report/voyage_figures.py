@@ -376,5 +376,5 @@ def _zigzags_on(axes: Axes, tests: Mapping[str, ZigzagTest]) -> None:
         axes.plot(time, np.degrees(voyage.psi), color=colour, label=f"heading, zigzag {order}" if order else "heading")
         axes.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder" if order else "rudder")
     axes.set_xlabel("time [ship lengths at the approach speed]")
-    axes.set_ylabel("heading, rudder [deg], starboard positive")
+    axes.set_ylabel("heading, rudder [deg],\nstarboard positive")
     axes.legend(**LEGEND)
