@@ -194,6 +194,10 @@ def test_the_range_in_a_section_that_no_test_had_is_that_of_the_legs() -> None:
     known = replace(tested, width_to_beam=found.width_to_beam)
     same = covered_range(replace(ship(), data_range=known), (0.3, 3.0), (0.8, 0.9))
     assert (same.speed, same.abs_y) == ((0.5, 2.0), (0.0, 3.0))
+    kcs = nw.published("estimated_kcs")  # 10.8 m of draft in 16.2 m of water
+    shallow = covered_range(kcs.with_canal(depth=12.96), (0.0, 30.0), (3.0, 5.0))
+    assert shallow.depth_to_draft == pytest.approx((1.2, 1.2))
+    assert covered_range(kcs, (0.0, 30.0), (3.0, 5.0)).depth_to_draft == kcs.data_range.depth_to_draft
 
 
 def test_files_and_mappings_are_read_alike(tmp_path: Path) -> None:
