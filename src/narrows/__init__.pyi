@@ -19,7 +19,6 @@ from .empirical import estimate_model as estimate_model
 from .empirical import published as published
 from .empirical import ready_ships as ready_ships
 from .empirical import with_astern_thrust as with_astern_thrust
-from .estimation import estimate_states as estimate_states
 from .identification.fit import Fit as Fit
 from .identification.fitting import Comparison as Comparison
 from .identification.fitting import Explanation as Explanation
@@ -34,6 +33,7 @@ from .logbook.checking.check_log import LogFindings as LogFindings
 from .logbook.checking.check_log import check_log as check_log
 from .logbook.learning.learn_log import learn as learn
 from .logbook.learning.log_fit import LogFit as LogFit
+from .logbook.logged_states import estimate_states as estimate_states
 from .logbook.reading.read_log import read_log as read_log
 from .logbook.reading.read_log import stream_log as stream_log
 from .logbook.ship_log import SensorGrade as SensorGrade

@@ -6,7 +6,6 @@ from narrows.base.aliases import part_named
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimator import Estimator as Estimator
-from narrows.estimation.logged_states import estimate_states as estimate_states
 from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of ``__all__`` there
 from narrows.estimation.states import Estimate as Estimate
 from narrows.estimation.states import EstimatedTrack as EstimatedTrack

@@ -222,8 +222,9 @@ def log_records(log: Any, waterway: Waterway | None) -> Iterable[ShipRecord]:
     if isinstance(log, str | Path):
         return stream_log(log, waterway)
     log = (log,) if isinstance(log, ShipRecord) else log
-    if isinstance(log, Sequence) and all(isinstance(record, ShipRecord) for record in log):
-        return ShipLog(tuple(log), waterway)
+    if isinstance(log, Sequence):
+        are_records = all(isinstance(record, ShipRecord) for record in log)
+        return ShipLog(tuple(log), waterway) if are_records else read_log(log, waterway)
     table = log.to_dataframe().reset_index() if hasattr(log, "to_dataframe") else log
     if hasattr(table, "columns"):
         return read_log(table, waterway)

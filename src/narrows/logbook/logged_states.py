@@ -2,15 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from importlib import import_module
 from typing import Any
 
-import narrows
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import CourseOverGround, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.states import EstimatedTrack, Prior
+from narrows.logbook.learning.log_setup import log_records
+from narrows.logbook.ship_log import sensor_grade
 from narrows.model.model import Model
 
 # Sensors by the signals of a log that they measure, in the order of the fields of a reading.
@@ -56,11 +56,10 @@ def estimate_states(model: Model, log: Any, sensors: Any = "vdr", *, smooth: boo
     True
     """
     waterway = getattr(log, "waterway", None)
-    if not hasattr(log, "signals"):
-        whole = log if isinstance(log, narrows.ShipLog) else narrows.read_log(log)
-        if len(whole) != 1:
-            raise InputError(f"the log has {len(whole)} records; give one of them, as nw.read_log(path)[0]")
-        log, waterway = whole[0], whole.waterway
+    records: list[Any] = [*log_records(log, None)]
+    if len(records) != 1:
+        raise InputError(f"the log has {len(records)} records; give one of them, as nw.read_log(path)[0]")
+    log = records[0]
     kinds = LOGGED if "u" in log or "speed_over_ground" not in log else OVER_GROUND
     used = {signals: kind for signals, kind in kinds.items() if all(name in log for name in signals)}
     if not used:
@@ -68,7 +67,7 @@ def estimate_states(model: Model, log: Any, sensors: Any = "vdr", *, smooth: boo
     if isinstance(sensors, Sequence) and not isinstance(sensors, str):
         own = [*sensors]
     else:
-        grade = import_module("narrows.logbook.ship_log").sensor_grade(sensors)
+        grade = sensor_grade(sensors)
         own = [_sensor(kind, log, signals, grade) for signals, kind in used.items()]
         helm = grade.signals.get("rudder")
         own += [RudderIndicator(helm.noise, helm.zero) if helm else RudderIndicator()] * ("rudder" in log)
