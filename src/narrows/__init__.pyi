@@ -102,6 +102,7 @@ from .ship.particulars import Ship as Ship
 from .ship.particulars import Water as Water
 from .ship.particulars import equivalent_wall as equivalent_wall
 from .ship.ship_file import read_ship as read_ship
+from .simulation import PID as PID
 from .simulation import Autopilot as Autopilot
 from .simulation import ConstantRudder as ConstantRudder
 from .simulation import ControlLaw as ControlLaw

@@ -401,7 +401,7 @@ class Table:
         own = {"tests": short_twin()}
         conditions = nw.measured_tests("kcs")
         fitted = {"tests": other_tests(), "terms": "speed", "balance": "rows",
-                  "accelerations": "motion", "fixed": {"b_bank": 0.0},
+                  "accelerations": "motion", "fixed": {"b_bank": 0.0}, "bounds": {"b_vdot": (0.0, 700.0)},
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
         plan = {"configuration": paper().configuration, "runs": 2}

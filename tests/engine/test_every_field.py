@@ -136,7 +136,9 @@ def built() -> dict[str, Built]:
             nw.Autopilot(0.3, (0.1, 1.0, 0.4, 2.0), 0.01, 0.005, -0.01), controlled,
             {"y": 0.4, "gains": (0.1, 1.0, 0.4, 3.0), "rudder": 0.02, "psi": 0.01, "v": 0.01},
         ),
-        "Held": Built(nw.Held(0.1), controlled, {"rudder": 0.2}) if hasattr(nw, "Held") else None,
+        "PID": Built(
+            nw.PID(1.0, 2.0, 0.5, 0.02), controlled, {"kp": 1.5, "kd": 3.0, "ki": 1.0, "psi": 0.05}
+        ),
         "ConstantRudder": _new("ConstantRudder", (0.1,), {"rudder": 0.2}),
         "Zigzag": Built(nw.Zigzag(-0.2, 0.02), controlled, {"rudder": -0.1, "heading": 0.1}),
         "Canal": Built(

@@ -201,3 +201,27 @@ def test_a_ship_without_a_rudder_is_held_by_the_forces_that_its_course_tells() -
     assert (course["Y"], course["N"]) == (pytest.approx(-felt["Y"]), pytest.approx(-felt["N"]))
     with pytest.raises(nw.InputError, match="it is sought"):
         linearize(paper(), y=0.5, u=1.0, N=1.0)
+
+
+def test_nomotos_indices_are_those_of_a_step_of_the_rudder() -> None:
+    """The yaw rate goes to K, and the area between it and K is K (T1 + T2 - T3), by an integration of sway and yaw."""
+    linear = nw.published("estimated_kcs").in_open_water().linearize(u=4.0)
+    found, (A, b) = linear.nomoto(), linear.matrices("rudder")
+    step, z, area = 0.02, np.zeros(2), 0.0
+    for _ in range(200_000):
+        z = z + step * (A[2:, 2:] @ (z + step / 2 * (A[2:, 2:] @ z + b[2:, 0])) + b[2:, 0])
+        area += step * (found.K - z[1])
+    assert z[1] == pytest.approx(found.K, rel=1e-6)
+    assert area / found.K == pytest.approx(found.T, rel=1e-3)
+    assert found.T == pytest.approx((found.T1 + found.T2 - found.T3).real)
+    assert sorted([-1 / found.T1, -1 / found.T2]) == pytest.approx(sorted(np.linalg.eigvals(A[2:, 2:])))
+
+
+def test_functions_of_python_control_take_the_system() -> None:
+    linear = nw.published("yasukawa2015_kvlcc2").linearize(u=1.179)
+    whole, one = linear.state_space(), linear.tf("rudder", "r")
+    s = 0.1j
+    np.testing.assert_allclose(one(s), whole["r", "rudder"](s), rtol=1e-9)
+    np.testing.assert_allclose(linear.frequency_response([0.1], input="rudder", output="r").complex, one(s), rtol=1e-9)
+    with pytest.raises(AttributeError, match="has no 'ctrb'; write matrices"):
+        linear.ctrb()

@@ -398,3 +398,36 @@ def test_a_current_is_one_number_or_pairs(wrong: Any) -> None:
         straight.with_water(current=wrong)
     with pytest.raises(nw.InputError, match="one number"):
         straight.with_water(level=wrong)
+
+
+def test_a_line_with_a_width_and_a_depth_is_a_waterway() -> None:
+    points = [(0.0, 0.0), (0.0, 1000.0), (300.0, 2000.0)]
+    even = nw.Waterway(points, width=200.0, depth=12.0)
+    assert (even.section(700.0).width, even.section(700.0).depth) == (200.0, 12.0)
+    uneven = nw.Waterway(points, width=[200.0, 260.0, 220.0], depth=[12.0, 15.0, 14.0])
+    places = uneven.line.locate(np.array(points))[0]
+    np.testing.assert_allclose(uneven.section(places).width, [200.0, 260.0, 220.0])
+    np.testing.assert_allclose(uneven.section(places).depth, [12.0, 15.0, 14.0])
+    assert uneven.section(places.mean()).middle == 0
+    with pytest.raises(nw.InputError, match="2 sizes for 3 points"):
+        nw.Waterway(points, width=[200.0, 260.0])
+    with pytest.raises(nw.InputError, match="a line alone is no waterway; give its width"):
+        nw.Waterway(points)
+
+
+@pytest.mark.parametrize("psi", [0.0, 0.3, -0.3])
+def test_the_clearance_of_a_voyage_is_that_of_the_corners_of_its_hull(psi: float) -> None:
+    model = nw.published("estimated_kcs")
+    told = {"y": 30.0, "u": 4.0, "psi": psi, "duration": 60.0, "contact": "corners"}
+    voyage = nw.simulate(model, **told)
+    length, beam = model.ship.length, model.ship.beam
+    half = length / 2 * np.abs(np.sin(voyage.psi)) + beam / 2 * np.cos(voyage.psi)
+    np.testing.assert_allclose(voyage.clearance, 150.0 - np.abs(voyage.y) - half, atol=1e-9)
+
+
+def test_the_least_clearance_of_a_voyage_in_a_bend_is_that_of_its_outcome() -> None:
+    angle = np.linspace(0.0, 0.4, 60)
+    bend = nw.Waterway(3000.0 * np.stack([1 - np.cos(angle), np.sin(angle)], axis=1), width=300.0, depth=16.2)
+    voyage = nw.simulate(nw.published("estimated_kcs"), y=40.0, u=4.0, x=200.0, hold=0.0, waterway=bend, dt=0.5)
+    assert voyage.outcome.kind == "left the waterway"
+    assert voyage.clearance.min() == pytest.approx(voyage.outcome.clearance, abs=230.0**2 / 8 / 2850)  # sagitta

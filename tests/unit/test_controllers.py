@@ -196,3 +196,33 @@ def test_laws_that_do_the_same_share_a_kernel() -> None:
     one, other = (steering_of(Integrator(held=held), actuators) for held in (0.0, 0.5))
     assert one.law == other.law
     assert one.parameters != other.parameters
+
+
+def turned(law: nw.ControlLaw, **given: float) -> nw.Voyage:
+    """A ship at full size in open water, two degrees off its heading."""
+    told = {"u": 6.0, "psi": 0.035, "duration": 900.0, "dt": 0.5, "contact": "none"}
+    return nw.simulate(nw.published("estimated_kcs").in_open_water(), controller=law, **{**told, **given})
+
+
+def test_a_heading_autopilot_brings_the_ship_back_and_its_integral_takes_a_steady_push_away() -> None:
+    law = nw.PID(kp=1.0, kd=60.0)
+    assert abs(turned(law).psi[-1]) < 1e-4
+    assert abs(turned(nw.PID(kp=1.0, kd=60.0, psi=0.02)).psi[-1] - 0.02) < 1e-4
+    pushed = turned(law, N=2e7)
+    assert pushed.psi[-1] == pytest.approx(-pushed.rudder[-1], rel=1e-3)
+    assert pushed.psi[-1] > 0.01
+    assert abs(turned(nw.PID(kp=1.0, kd=60.0, ki=0.01), N=2e7).psi[-1]) < 1e-3
+
+
+def test_the_integral_of_a_heading_autopilot_waits_while_the_rudder_is_hard_over() -> None:
+    """A sum that goes on beyond the limit swings the bow far to the other side."""
+    total = 0.0
+
+    def naive(t: float, state: Any) -> float:
+        nonlocal total
+        total += 0.5 * state.psi
+        return -(8.0 * state.psi + 200.0 * state.r + 0.05 * (total - 0.5 * state.psi))
+
+    waiting, going_on = (turned(law, psi=0.6) for law in (nw.PID(kp=8.0, kd=200.0, ki=0.05), naive))
+    assert waiting.rudder.min() == going_on.rudder.min() == pytest.approx(-np.radians(35.0))
+    assert 2 * abs(waiting.psi.min()) < abs(going_on.psi.min())

@@ -55,7 +55,7 @@ def at_fields(thing: Any) -> dict[str, str]:
 
 def documented(thing: Any) -> dict[str, str]:
     """Each parameter of a docstring with its description; ``x, y`` are two."""
-    return at_fields(thing) or {
+    return at_fields(thing) | {
         name.strip().lstrip("*"): f"{parameter.type_name} {parameter.description}"
         for parameter in parsed(thing).params
         if parameter.args[0] == "param"

@@ -10,6 +10,7 @@ import pytest
 from scipy.io import loadmat, savemat
 
 import narrows as nw
+from narrows.captive.measured import measured_files
 from narrows.quantities import names as dimensions
 from narrows.quantities.names import MOTION
 from narrows.readers.cells import parse_header
@@ -180,3 +181,36 @@ def test_what_is_no_unit_or_a_rare_one(text: str) -> None:
 def test_a_rare_unit_is_refused() -> None:
     with pytest.raises(nw.InputError, match=r"unknown unit \[furlong/hour\]; give it in \[m/s\]"):
         parse_header("u [furlong/hour]", MOTION)
+
+
+def test_a_table_with_the_particulars_as_columns_needs_no_ship(
+    kcs_tests: dict[int, nw.CaptiveTests], tmp_path: Path
+) -> None:
+    tests = kcs_tests[100]
+    tests.to_csv(tmp_path / "t.csv")
+    again = nw.read_captive(tmp_path / "t.csv")
+    assert again.configuration == tests.configuration
+    assert again.headers.unread == ()
+    same(again, tests)
+    with pytest.raises(nw.InputError, match="or columns with length, beam, draft"):
+        nw.read_captive(pd.read_csv(tmp_path / "t.csv").drop(columns="beam"))
+    pd.read_csv(tmp_path / "t.csv").assign(length=-1.0).to_csv(tmp_path / "t.csv", index=False)
+    with pytest.raises(nw.InputError, match=r"t.csv: .*length"):
+        nw.read_captive(tmp_path / "t.csv")
+
+
+SAILING = "type in ('PMMY2', 'PMMPSI2', 'STATX0') and u_mps > 0.2"
+
+
+def test_kinds_of_motion_are_those_that_the_laboratory_gave_its_tests() -> None:
+    table, ship = measured_files("kcs")
+    raw = pd.read_csv(table).query(SAILING).groupby("test").agg({"type": "first", "drift_deg": "mean"})
+    drifts, words = raw["drift_deg"].abs() > 0.9, {"PMMY2": "pure sway", "PMMPSI2": "pure yaw", "STATX0": "straight"}
+    with_drift = {"PMMY2": "sway with drift", "PMMPSI2": "yaw with drift", "STATX0": "drift"}
+    expected = raw["type"].map(words).where(~drifts, raw["type"].map(with_drift)).dropna()
+    tests = nw.read_captive(table, ship, where=SAILING)
+    found = pd.Series(tests.kinds, tests.names)[expected.index]
+    assert set(found) >= {"pure sway", "pure yaw", "yaw with drift", "straight", "drift"}
+    assert found[found != expected].to_dict() == {}
+    assert tests.query(kind="pure yaw").rows < tests.query(kind="yaw").rows
+    assert set(tests.query("u < 0.55", kind="yaw").kinds) == {"pure yaw", "yaw with drift"}

@@ -87,6 +87,7 @@ WORDS = {
     "learn": "{full} --steady {legs}",
     "monitor": "{full} --waterway {canal} --replay {told} --page --port 0 --pace 1000",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
+    "squat": "estimated_kcs --speed 6kn,8kn",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",
 }

@@ -40,7 +40,7 @@ def table_has(name: str) -> bool:
     return hasattr(pd.DataFrame, name)
 
 
-def _given_or_written(content: str | None, path: str | Path | None) -> str | None:
+def given_or_written(content: str | None, path: str | Path | None) -> str | None:
     if path is None:
         return content
     if content is not None:
@@ -271,14 +271,14 @@ class BaseResult(BaseSummary):
 
         Raises an InputError if the file cannot be written.
         """
-        return _given_or_written(csv_of(self.to_dataframe(), **options), path)
+        return given_or_written(csv_of(self.to_dataframe(), **options), path)
 
     def to_json(self, path: str | Path | None = None) -> str | None:
         """Write everything by name as JSON to a ``path``; return it as text without one.
 
         Raises an InputError if the file cannot be written.
         """
-        return _given_or_written(to_json(self.to_dict()), path)
+        return given_or_written(to_json(self.to_dict()), path)
 
     def to_xarray(self: Any) -> "xarray.Dataset":
         """Return the data as an xarray Dataset."""
@@ -290,7 +290,7 @@ class BaseResult(BaseSummary):
         def __getattr__(self, name: str) -> Any:
             form = FORMS.get(name.removeprefix("to_")) if name.startswith("to_") else None
             if form is not None and form in forms_of(self, ""):
-                return lambda path=None: _given_or_written(forms_of(self, path or "")[form](), path)
+                return lambda path=None: given_or_written(forms_of(self, path or "")[form](), path)
             if name.startswith("to_") and hasattr(type(self), "to_dataframe") and table_has(name):
                 return getattr(self.to_dataframe(), name)
             return super().__getattr__(name)

@@ -26,12 +26,8 @@ from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import ShipSource, ship_from
+from narrows.ship.ship_file import ShipSource, configuration_in, ship_from
 
-NO_SHIP = (
-    "a table has no ship of its own; give ship='ship.toml', a Configuration, or {'ship': {'length': ...}, 'canal': "
-    "{'width': ...}}"
-)
 NO_ROWS = "no rows are left to read; add rows under the header, or select less strictly (where)"
 
 
@@ -51,7 +47,8 @@ def read_captive(
         y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header has a unit, as in ``psi
         [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` if they change from row to row.
     ship : str, Path, Configuration or mapping
-        The ship file, its configuration, or its sections as mappings.
+        The ship file, its configuration, or its sections as mappings; not needed for a table with the particulars as
+        columns ``length``, ``beam``, ``draft``, ``block_coefficient``, ``width`` ..., as ``tests.to_csv`` writes them.
     where : str, optional
         Selection of rows, as in ``"abs(y) < 0.5 and psi_deg > 2"``: on the headers of the table, or on the names above,
         SI unless they end in a unit.
@@ -67,13 +64,14 @@ def read_captive(
     >>> nw.read_captive(table, tests.configuration).rows == tests.rows
     True
     """
-    if ship is None:
-        raise InputError(NO_SHIP)
     movers = tuple(actuators)
-    configuration = ship_from(ship, movers)
     path = Path(table) if isinstance(table, str | os.PathLike) else None
     name = str(path) if path else cells.name_of(table)
+    configuration = None if ship is None else ship_from(ship, movers)
     sheet = read_frame(path) if path else cells.as_sheet(table)
+    if configuration is None:
+        configuration, own = configuration_in(sheet.frame, name, movers)
+        sheet = sheet._replace(frame=sheet.frame.drop(columns=own))
     with stage("checking the table"):
         frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):

@@ -4,13 +4,15 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import compress, pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from narrows.base.aliases import accept_aliases, name_here
 from narrows.base.errors import InputError, check_choice, did_you_mean, near_miss, reason, shown
-from narrows.base.results import Tabulated, same_content
+from narrows.base.files import csv_of
+from narrows.base.results import Tabulated, given_or_written, same_content
 from narrows.model.sections import Source
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number, Quantity
 from narrows.readers.cells import floats, parse_header
@@ -40,6 +42,10 @@ class Headers(NamedTuple):
     unread: tuple[str, ...] = ()  # Headers that are no quantity
 
 
+# Share of the speed, of a sway velocity or of yaw rate by length, below which a test has no such motion.
+LEAST_MOTION = 0.015
+# Words for kinds of motion that tell nothing more.
+OF_ALL_KINDS = {"harmonic", "static", "steady", "dynamic", "pmm", "test", "tests"}
 # Columns of words in a table of tests.
 LABELS = ("test", "condition")
 # Headers of tests without a table.
@@ -90,6 +96,15 @@ class CaptiveTests(Configured, Tabulated):
         known |= {"t": "s", "psi": "rad"} | {own.name: own.unit for own in STANDARD}
         return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kind of motion of each test.
+
+        These are ``straight``, ``drift``, ``turn``, ``pure sway``, ``pure yaw`` and ``sway and yaw``; ``yaw with
+        drift`` is one with a mean drift, and so are ``turn with drift`` and the like.
+        """
+        return tuple(_kind(self.rows_of(place), self.ship.length) for place in range(len(self)))
+
     def summary(self) -> str:
         labels = list(dict.fromkeys(self.conditions))
         several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
@@ -112,6 +127,17 @@ class CaptiveTests(Configured, Tabulated):
         labels = {"condition": np.repeat(self.conditions, lengths)} if self.conditions else {}
         columns = {name: column for name, column in self.columns.items() if not _is_part(name, self.columns)}
         return pd.DataFrame({"test": np.repeat(self.names, lengths), **labels, **columns})
+
+    def to_csv(self, path: str | Path | None = None, **options: Any) -> str | None:
+        """Write the rows as CSV, with ship and canal as columns, so that ``read_captive`` reads it without a ship.
+
+        ``options`` are those of pandas; without a ``path`` it is returned as text. Raises an InputError if the file
+        cannot be written.
+        """
+        sizes = {name: value for name, value in self.configuration.values().items() if name in PARTICULARS}
+        table = self.to_dataframe().assign(ship=self.ship.name)
+        table = table.assign(**{name: size for name, size in sizes.items() if name not in table})
+        return given_or_written(csv_of(table, **options), path)
 
     def __len__(self) -> int:
         return len(self.names)
@@ -174,8 +200,17 @@ class CaptiveTests(Configured, Tabulated):
         """Return the rows for which ``where`` holds, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
 
         Or those in which ``columns`` have a value, are in a range, as in ``u=(0.3, 0.6)``, or among three or more
-        values. Raises an InputError if the expression is invalid, or no row is left.
+        values; ``kind="pure yaw"``: tests whose kind of motion has these words.
+
+        Raises an InputError if the expression is invalid, or no row is left.
         """
+        if "kind" in columns:
+            asked = {*re.findall(r"[a-z]+", str(columns.pop("kind")).lower())} - OF_ALL_KINDS
+            of_kind = [asked <= {*kind.split()} for kind in self.kinds]
+            if not any(of_kind):
+                raise InputError(f"no test is of that kind; these are: {', '.join(dict.fromkeys(self.kinds))}")
+            found = self.where(of_kind)
+            return found.query(where, **columns) if where or columns else found
         if columns:
             kept = [
                 (self[name] >= of[0]) & (self[name] <= of[1]) if np.size(of) == 2 else np.isin(self[name], of)
@@ -240,6 +275,17 @@ class CaptiveTests(Configured, Tabulated):
         """Return the columns of one test by its index ``i`` in ``names``."""
         rows = slice(int(self.starts[i]), int(self.starts[i + 1]))
         return {name: column[rows] for name, column in self.columns.items()}
+
+
+def _kind(test: Mapping[str, np.ndarray], length: float) -> str:
+    speed = max(float(np.hypot(test["u"], test["v"]).mean()), 1e-9)
+    over = {"sway": test["v"] / speed, "yaw": test["r"] * length / speed}
+    moving = [word for word, motion in over.items() if motion.std() > LEAST_MOTION]
+    drifts = abs(over["sway"].mean()) > LEAST_MOTION
+    if not moving and abs(over["yaw"].mean()) < LEAST_MOTION:
+        return "drift" if drifts else "straight"
+    kind = " and ".join(moving) if len(moving) > 1 else f"pure {moving[0]}" if moving else "turn"
+    return f"{kind.removeprefix('pure ')} with drift" if drifts else kind
 
 
 def _is_part(name: str, columns: Mapping[str, np.ndarray]) -> bool:

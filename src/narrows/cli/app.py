@@ -15,7 +15,7 @@ from narrows.base.progress import listening
 GROUPS = {
     "Start": ("demo", "reproduce"),
     "Tests and models": ("estimate", "ships", "plan", "identify", "explain", "scale"),
-    "Voyages": ("waterway", "simulate", "map", "trials"),
+    "Voyages": ("waterway", "squat", "simulate", "map", "trials"),
     "On board": ("envelope", "learn", "monitor"),
     "Other programs": ("export",),
 }

@@ -218,6 +218,21 @@ def trials(
     delivery.give(result, print_manoeuvres)
 
 
+@cli.verb("narrows squat estimated_kcs --speed 6kn:12kn:7")
+def squat(
+    model: cli.ModelFile,
+    speed: Annotated[cli.Speeds, "Speed through the water: 8kn, or 4kn:12kn:9; m/s without a unit."],
+    delivery: cli.TableDelivery,
+    gives: Annotated[str | None, "Place: midship, bow or largest; default: midship, or that of the formula."] = None,
+    formula: Annotated[str | None, "Formula: huuska, icorels, barrass ...; default: the first that is valid."] = None,
+) -> None:
+    """Estimate the sinkage of a ship in its canal."""
+    from narrows.report.printed_tables import print_squat
+
+    choice: Any = gives, formula
+    delivery.give(nw.squat(model_named(model), speed, *choice), print_squat)
+
+
 @cli.verb(
     "narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson",
     needs={"reach": "line"}, apart=("file width", "reach width"),

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 
 from narrows.base.errors import InputError
 from narrows.codegen.trace import Trace
-from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
+from narrows.quantities.names import ACCELERATIONS, FORCES, PARTICULARS, REGRESSOR_INPUTS
 from narrows.ship.actuators import STANDARD
 
 Expr = Any  # A SymPy expression
@@ -23,8 +23,6 @@ Surge = Literal["held", "free"]
 
 # Arguments of the right-hand side; its result has their derivatives in the same order.
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
-
-ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
 
 # External force [N, N, N m], by the component that it is added to.
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))

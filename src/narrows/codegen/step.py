@@ -11,7 +11,6 @@ from functools import cached_property, lru_cache, partial
 import sympy
 
 from narrows.codegen.free_motion import (
-    ACCELERATIONS,
     AFLOAT_SPEED,
     AFTER,
     CORNERS,
@@ -47,6 +46,7 @@ from narrows.codegen.lines import (
 )  # fmt: skip
 from narrows.physics.hull import current_gradient
 from narrows.physics.propeller_and_rudder import gear_motion
+from narrows.quantities.names import ACCELERATIONS
 
 TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
 

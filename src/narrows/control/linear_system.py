@@ -3,10 +3,13 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from importlib.util import find_spec
+from inspect import isfunction, signature
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.base.aliases import name_here
 from narrows.base.errors import check_choice, needs
 from narrows.base.results import BaseResult
 from narrows.control.settings import FREQUENCIES
@@ -18,6 +21,19 @@ UNITS = {
     "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad", "revolutions": "1/s", "X": "N",
     "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
 }  # fmt: skip
+
+
+class Nomoto(NamedTuple):
+    """Indices of the yaw rate r by the rudder: T r' + r = K rudder, and T1 T2 r'' + (T1 + T2) r' + r = K (1 + T3 d/dt).
+
+    Nomoto, Taguchi, Honda and Hirano (1957), On the steering qualities of ships. Negative for an unstable ship.
+    """
+
+    K: float  # Steady yaw rate per rudder angle [1/s]
+    T: float  # T1 + T2 - T3 [s]
+    T1: complex  # The larger time constant [s]
+    T2: complex  # The smaller time constant [s]
+    T3: float  # [s]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -83,16 +99,42 @@ class LinearSystem(BaseResult):
         rates = {"growth": values.real, "angular_frequency": values.imag}
         return pd.DataFrame({**rates, **times, "damping_ratio": damping, **shape}).rename_axis("mode")
 
+    def nomoto(self) -> Nomoto:
+        """Return Nomoto's indices of the rudder, from sway and yaw alone: without bank, line and other controls.
+
+        Raises an InputError if the ship has no rudder.
+        """
+        A, b = self.matrices("rudder")
+        (a_vv, a_vr), (a_rv, a_rr) = A[np.ix_(*[[self.states.index(name) for name in ("v", "r")]] * 2)]
+        b_v, b_r = (float(b[self.states.index(name), 0]) for name in ("v", "r"))
+        stiffness, push = a_vv * a_rr - a_vr * a_rv, a_rv * b_v - a_vv * b_r
+        T12, T3 = -(a_vv + a_rr) / stiffness, b_r / push
+        T1, T2 = sorted(-1 / np.linalg.eigvals([[a_vv, a_vr], [a_rv, a_rr]]), key=abs, reverse=True)
+        return Nomoto(float(push / stiffness), float(T12 - T3), T1, T2, float(T3))
+
     def state_space(self) -> Any:
         """Return a state space of python-control, with named states, inputs and outputs.
 
-        Its inputs are controls, then disturbances; its outputs are the states.
+        Its inputs are controls, then disturbances; its outputs are the states. Its methods and the functions of
+        python-control for it are those of this system, too: ``bode(input="rudder", output="r")``, ``sample(0.5)`` ...
         """
         with needs("control", "state_space"):
             import control
         inputs, states = [*self.controls, *self.disturbances], list(self.states)
         named: dict[str, Any] = {"inputs": inputs, "states": states, "outputs": states, "name": "ship"}
         return control.ss(self.A, np.hstack([self.B, self.G]), np.eye(len(states)), 0, **named)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_") or not find_spec("control"):
+                    raise
+                if (found := of_python_control(self, name)) is None:
+                    raise
+                return found
 
     def summary(self) -> str:
         at, growth = self.course, float(self.eigenvalues()[0].real)
@@ -115,6 +157,28 @@ class LinearSystem(BaseResult):
 
         rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
         return pd.DataFrame(np.hstack([self.A, self.B, self.G]), index=rows, columns=list(self.units))
+
+
+def of_python_control(linear: LinearSystem, name: str) -> Any:
+    """Return what python-control has under a name for the state space of a system; None if nothing.
+
+    Its functions take names of signals, from controls to states: ``bode("rudder", "r")`` or ``input=``, ``output=``.
+    """
+    import control
+
+    name = name_here(name, "python_control") or name
+    function = getattr(control, f"{name}_plot", None) or getattr(control, name, None)
+    if not isfunction(function) or "A" in signature(function).parameters:
+        return getattr(linear.state_space(), name, None)
+
+    def called(*values: Any, input: Any = None, output: Any = None, **given: Any) -> Any:
+        signals = [value for value in values if isinstance(value, str)]
+        from_one = input or [name for name in signals if name in linear.controls] or list(linear.controls)
+        to_one = output or [name for name in signals if name in linear.states] or list(linear.states)
+        numbers = [value for value in values if not isinstance(value, str)]
+        return function(linear.state_space()[to_one, from_one], *numbers, **given)
+
+    return called
 
 
 def loop_margins(

@@ -79,6 +79,8 @@ def estimate_model(
     >>> model.terms.name
     'mmg+distance'
     """
+    if isinstance(ship, Model):
+        raise InputError("estimate_model takes main dimensions; nw.estimate_states(model, log) estimates states")
     calibration = calibration or ALL_SHIPS
     parts = {"propeller": propeller, "rudder": rudder, "steering": steering}
     check_types(ship, canal, water, **parts)

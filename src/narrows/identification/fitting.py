@@ -49,6 +49,7 @@ def identify(
     tests: Any, terms: TermTable | str = PAPER, balance: Balance = "tests",
     accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
     pool: Pool | None = None, ship: ShipSource | None = None, fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float, float]] | None = None,
 ) -> Fit:  # fmt: skip
     """Fit a table of terms to captive tests: the paper's joint constrained problem, solved exactly.
 
@@ -75,6 +76,8 @@ def identify(
         Ship of a table that was not read yet, as of ``read_captive``.
     fixed : mapping of str to float, optional
         Values of coefficients that are not fitted, each in its own SI unit: ``{"b_bank": 0.0}``.
+    bounds : mapping of str to two floats, optional
+        Bounds of coefficients in place of those of the terms: ``{"b_vdot": (0.0, np.inf)}``.
 
     Examples
     --------
@@ -88,7 +91,7 @@ def identify(
     terms = table_named(terms) if isinstance(terms, str) else terms
     if not isinstance(terms, TermTable):
         raise InputError(f"terms = {shown(terms)} is no table of terms; give one, or the name of one")
-    terms = terms.with_fixed(fixed or {})
+    terms = terms.with_bounds(bounds or {}).with_fixed(fixed or {})
     if pool is not None:
         check_choice("pool", pool, get_args(Pool))
         terms = pooled(terms, depths_of(tests))

@@ -22,7 +22,7 @@ from narrows.model.derived_models import extend
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.model.term import TermKind
-from narrows.quantities.names import FORCES
+from narrows.quantities.names import ACCELERATIONS, FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
 
@@ -206,7 +206,6 @@ RUDDER_ZERO = np.radians(1.0)
 # Standard deviations of the rudder's asymmetries over its own coefficient [1]. The flow straightening of the KVLCC2 is
 # 0.52, with 0.12 more to one side; the even force is 3 % of the rudder's at 35 degrees.
 RUDDER_ASYMMETRIES = ((STRAIGHTENING, 0.2), (RUDDER_EVEN, 0.05))
-ACCELERATIONS = ("udot", "vdot", "rdot")
 # Least eigenvalue of a correlation matrix over its largest [1]: a floor for coefficients that are fully correlated.
 RANK = 1e-9
 
@@ -295,7 +294,7 @@ def push_inertia(prior: CoefficientPrior, u: float, surge_inertia: float | None 
     names = {name: place for place, group in enumerate(prior.groups) for name in group}
     still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
     inertia = np.zeros((3, 1 + len(prior.groups)))
-    for axis, (terms, acceleration) in enumerate(zip(model.terms.forces.values(), ACCELERATIONS, strict=True)):
+    for axis, (terms, acceleration) in enumerate(zip(model.terms.forces.values(), ACCELERATIONS.values(), strict=True)):
         pushed = {**still, acceleration: 1.0}
         for term in terms:
             place = 1 + names.get(term.name, -1)

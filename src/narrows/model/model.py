@@ -20,7 +20,7 @@ from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.model.tables import without_bank
 from narrows.model.term import Term, TermTable
-from narrows.quantities.names import MOTION, Number
+from narrows.quantities.names import ACCELERATIONS, MOTION, Number
 from narrows.ship.checks import check_ahead, check_angles, is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
@@ -37,9 +37,12 @@ NO_SUCTION = "The model's bank coefficients are 0: the banks of a canal end a vo
 class Operations(BaseResult):
     """Simulation, derivatives and equations of a model, as methods."""
 
-    def derivative(self: Any, state: Any, **given: Any) -> np.ndarray:
-        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine, in SI."""
-        return narrows.derivative(self, state, **given)
+    def derivative(self: Any, *at: Any, **given: Any) -> np.ndarray:
+        """Return the rates of x, y, psi, u, v, r of the free ship at a state, (6,...), from the engine, in SI.
+
+        A time may stand before the state, as integrators of SciPy give it.
+        """
+        return narrows.derivative(self, *at[len(at) == 2 and np.ndim(at[0]) == 0 :], **given)
 
     def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
         """Linearise the motion about a steady course at y [m] and u [m/s], to a ``LinearSystem``."""
@@ -317,11 +320,21 @@ class Model(Configured, Operations):
         return values
 
     @property
+    def mass_matrix(self) -> np.ndarray:
+        """Mass and added mass of the terms against accelerations of u, v and r: (3, 3) [kg, kg m, kg m2]."""
+        still = self._values(Motion.at(u=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
+
+        def resisted(terms: tuple[Term, ...], rate: str) -> float:
+            pushed = {**still, rate: 1.0}
+            return float(sum(self.coefficients[one.name] * (one.column(still) - one.column(pushed)) for one in terms))
+
+        forces = self.terms.forces.values()
+        return np.array([[resisted(terms, rate) for rate in ACCELERATIONS.values()] for terms in forces])
+
+    @property
     def surge_inertia(self) -> float:
         """Inertia of the terms against a surge acceleration [kg]."""
-        values = self._values(Motion.at(u=1.0, udot=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
-        slopes = ((term.name, term.column(values) - term.column({**values, "udot": 0.0})) for term in self.terms.surge)
-        return -float(sum(self.coefficients[name] * slope for name, slope in slopes))
+        return float(self.mass_matrix[0, 0])
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
         # Not by sum(): from Python 3.12 it compensates floats but not columns, so that they would differ by a rounding.

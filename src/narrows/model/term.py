@@ -1,5 +1,6 @@
 """A model as one table of terms: the source of columns, constraints, ties, dimensions and equations."""
 
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -286,11 +287,24 @@ class TermTable(BaseSummary):
         if not isinstance(values, Mapping):
             raise InputError(f"fixed = {shown(values)} has no values by name; give them, as in {{'b_bank': 0.0}}")
         for name, value in values.items():
-            check_choice("fixed", name, self.names)
             if not is_finite(value):
                 raise InputError(f"fixed: {name} = {shown(value)} is no finite number; give its value")
-        fixed = {n: replace(self[n], bound=(float(value), float(value))) for n, value in values.items()}
-        surge, sway, yaw = (tuple(fixed.get(one.name, one) for one in terms) for terms in self.forces.values())
+        return self.with_bounds({name: (value, value) for name, value in values.items()}, "fixed")
+
+    def with_bounds(self, bounds: Mapping[str, tuple[float, float]], argument: str = "bounds") -> "TermTable":
+        """Return the table with other ``bounds`` of some coefficients; an InputError for another name, or no bounds.
+
+        The ``argument`` names them in messages.
+        """
+        changed = {}
+        for name, ends in bounds.items():
+            check_choice(argument, name, self.names)
+            pair = tuple(ends) if isinstance(ends, tuple | list) and len(ends) == 2 else (1.0, 0.0)
+            low, high = (end if at is None else float(at) for end, at in zip((-math.inf, math.inf), pair, strict=True))
+            if not low <= high:
+                raise InputError(f"{argument}: {name} = {shown(ends)} is no lower and upper bound; give both")
+            changed[name] = replace(self[name], bound=(low, high))
+        surge, sway, yaw = (tuple(changed.get(one.name, one) for one in terms) for terms in self.forces.values())
         return replace(self, surge=surge, sway=sway, yaw=yaw)
 
 

@@ -91,6 +91,7 @@ class Squat(BaseResult):
     def to_dict(self) -> dict[str, Any]:
         values = {name: value for name, value in vars(self).items() if name != "of"}
         values["sinkage"] = np.asarray(self.sinkage).tolist()
+        values |= {"u": np.asarray(self.of[1]).tolist()} if self.of else {}
         return {**values, "notes": list(self.notes), "summary": self.summary()}
 
 

@@ -55,6 +55,9 @@ FORCES = {
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
 
+# Acceleration along each force.
+ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
+
 # Possible inputs of any term; actuators add their own.
 REGRESSOR_INPUTS = MOTION | PARTICULARS
 

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from narrows.base.errors import InputError
 from narrows.base.results import interval, readable
+from narrows.quantities.names import KNOT
 
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
@@ -22,6 +23,7 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
     from narrows.identification.plan import Plan
     from narrows.model.derived_models import Scaled
     from narrows.model.model import Model
+    from narrows.model.water import Squat
     from narrows.simulation.manoeuvring_trials import Trials
     from narrows.waterway import Waterway
 
@@ -178,6 +180,14 @@ def print_manoeuvres(trials: "Trials") -> None:
     for columns, measured in ((CIRCLE_COLUMNS, results["turning"]), (ZIGZAG_COLUMNS, results["zigzags"])):
         console.print(table_of(columns, [{"order": order, **measures} for order, measures in measured.items()]))
     print_notes(console, trials.notes)
+
+
+def print_squat(squat: "Squat") -> None:
+    console, columns = console_of(), {"speed [m/s]": "{u:.2f}", "[kn]": "{kn:.1f}", "sinkage [m]": "{sinkage:.2f}"}
+    rows = squat.to_dataframe().assign(kn=lambda table: table["u"] / KNOT).to_dict("records")
+    console.print(squat.summary())
+    console.print(table_of(columns, rows))
+    print_notes(console, squat.notes)
 
 
 # Cross-sections that are searched for extremes, and those that are printed.

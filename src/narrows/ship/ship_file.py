@@ -9,6 +9,7 @@ from typing import Any
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, path_of, shown
 from narrows.base.files import reading
+from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, Part
 from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Water
 
@@ -16,6 +17,10 @@ from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Wat
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
 # Least ship file, for messages.
 LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], each on its own line"
+NO_SHIP = (
+    "a table has no ship of its own; give ship='ship.toml', a Configuration, or {'ship': {'length': ...}, 'canal': "
+    "{'width': ...}}, or columns with length, beam, draft, block_coefficient, width, depth [m]"
+)
 # A ship file or model file, its sections as mappings, its configuration, or a model or tests with one.
 ShipSource = str | Path | Configuration | Configured | Mapping[str, Any]
 
@@ -82,6 +87,17 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
         return Configuration(**main, depths=dict(tables.get("depths", {})), notes=tuple(notes)).with_parts(parts)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
+
+
+def configuration_in(frame: Any, table: str, actuators: Iterable[Actuator] = ()) -> tuple[Configuration, list[str]]:
+    """Return the configuration in columns of a table, particulars in SI with one value each, and their names."""
+    names = [name for name in ("ship", *PARTICULARS) if name in frame and frame[name].nunique() == 1]
+    if not {"length", "beam", "draft", "width"} <= set(names):
+        raise InputError(NO_SHIP)
+    sizes = {"name" if name == "ship" else name: frame[name].iloc[0] for name in names}
+    own = {part: vars(kind)["__dataclass_fields__"].keys() & sizes.keys() for part, kind in NEEDED.items()}
+    sections = {part: {n: sizes[n] if n == "name" else float(sizes[n]) for n in own[part]} for part in own}
+    return configuration_from(sections, table, actuators), names
 
 
 def assumptions(water: Water) -> dict[tuple[str, str], str]:

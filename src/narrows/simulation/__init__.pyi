@@ -1,4 +1,5 @@
 from . import controllers as controllers
+from .controllers import PID as PID
 from .controllers import Autopilot as Autopilot
 from .controllers import ConstantRudder as ConstantRudder
 from .controllers import ControlLaw as ControlLaw

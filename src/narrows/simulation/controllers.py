@@ -177,6 +177,40 @@ class Autopilot(WithoutMemory):
         return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
 
 
+@accept_aliases
+@dataclass(frozen=True, repr=False)
+class PID(_Law):
+    """A heading autopilot: rudder against the error of heading, its integral and the yaw rate.
+
+    Its numbers are floats or DataArrays; positive gains bring the ship back. The integral waits while the order is
+    beyond the limit of the rudder. Raises an InputError if a number is not finite.
+
+    >>> nw.simulate(kcs, psi=0.05, u=6.0, duration=60.0, controller=nw.PID(kp=1.0, kd=20.0)).grounded
+    False
+    """
+
+    kp: Any  #: Rudder per error of heading [1]
+    kd: Any = 0.0  #: Rudder per yaw rate [s]
+    ki: Any = 0.0  #: Rudder per integral of the error [1/s]
+    psi: Any = 0.0  #: Heading to hold, relative to the line [rad]
+
+    def __post_init__(self) -> None:
+        for name, number in vars(self).items():
+            if not np.isfinite(number).all():
+                raise InputError(f"{name} = {number} of an autopilot is no finite number; give one")
+
+    def parameters(self) -> Mapping[str, Any]:
+        return {"by_psi": self.kp, "by_r": self.kd, "by_sum": self.ki, "held_psi": self.psi}
+
+    def memory(self, start: Named) -> Named:
+        return {"sum": 0.0}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        off = at.psi - at.held_psi
+        order = -(at.by_psi * off + at.by_sum * at.sum + at.by_r * at.r)
+        return {"rudder": order}, {"sum": choice(abs(order) - at.rudder_limit, at.sum, at.sum + off * at.dt)}
+
+
 class ExternalOrder(WithoutMemory):
     def parameters(self) -> Mapping[str, Any]:
         return {"order": 0.0}
@@ -192,5 +226,6 @@ LAST_ORDER = "last_order"
 CONTROLLERS: dict[str, Callable[[float], ControlLaw]] = {
     "constant": lambda length: ConstantRudder(0.12),
     "zigzag": lambda length: Zigzag(0.17, 0.06),
+    "pid": lambda length: PID(1.2, 1.5 * length, 0.01),
     "pilot": lambda length: Autopilot(0.075 * length, (0.6 / length, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01),
 }

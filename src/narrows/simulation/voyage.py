@@ -108,6 +108,15 @@ class Voyage(Tabulated):
         return frame
 
     @property
+    def clearance(self) -> np.ndarray:
+        """Distance of the hull to the nearer bank of the local straight canal, (times,) [m]; negative beyond it."""
+        canal, draft = self.configuration.canal, self.configuration.ship.draft
+        width, middle = (canal.width, 0.0) if self.waterway is None else self.waterway.section(self.x, draft)[:2]
+        forward, aside = np.transpose(self.outline or ((0.0, 0.0),))
+        across = self.y + np.outer(forward, np.sin(self.psi)) + np.outer(aside, np.cos(self.psi))
+        return np.asarray((width / 2 - np.abs(across - middle)).min(axis=0))
+
+    @property
     def final(self) -> "pd.Series[float]":
         """The last row: t, x, y, psi, u, v, r and rudder at the end."""
         return self.to_dataframe().iloc[-1]

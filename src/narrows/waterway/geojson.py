@@ -17,7 +17,7 @@ from narrows.waterway import map_lines
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room
 from narrows.waterway.map_lines import ROLES, Feature, origin_of, projected
-from narrows.waterway.waterway import Waterway, even_waterway
+from narrows.waterway.waterway import Waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
@@ -90,7 +90,7 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
         raise InputError(f"a width of {width:g} m is none of a waterway; give metres over 0")
     origin = origin_of(points)
     line = line_with_room(projected(points, origin), width / 2)
-    return even_waterway(line, width, depth, name, tuple(origin.tolist()))
+    return Waterway(line, name=name, origin=tuple(origin.tolist()), width=width, depth=depth)
 
 
 def farthest(waterway: Waterway, points: np.ndarray) -> float:

@@ -38,17 +38,23 @@ class Section(NamedTuple):
 
 
 @accept_aliases
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, init=False)
 class Waterway(BaseSummary):
-    """A waterway.
+    """A waterway: a line, or its points east and north [m], with banks and depths.
 
     Raises an InputError if a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a
     depth is missing or not positive; the sentence names the place.
 
+    Parameters
+    ----------
+    width, depth : float or sequence [m], optional
+        In place of banks and depths, with vertical banks: one number, or one for each point of the line.
+
     Examples
     --------
-    >>> nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0).canal(100.0).width
-    300.0
+    >>> bend = nw.Waterway([(0, 0), (0, 2000), (500, 4000)], width=[300, 280, 320], depth=16)
+    >>> round(bend.canal(0.0).width)
+    300
     """
 
     line: Centreline  #: The centreline
@@ -67,7 +73,25 @@ class Waterway(BaseSummary):
     current_across: Profile = 0.0  #: Speed of the water to starboard of the line [m/s], everywhere or as pairs
     current_shear: Profile = 0.0  #: Rise of the speed along the line for each metre to starboard of it [1/s], likewise
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self, line: Any, starboard: Bank | None = None, port: Bank | None = None,
+        depths: tuple[np.ndarray, np.ndarray] | None = None, current: Profile = 0.0, level: float = 0.0,
+        name: str = "waterway", origin: tuple[float, float] | None = None, step: float | None = None,
+        current_across: Profile = 0.0, current_shear: Profile = 0.0, *, width: Any = None, depth: Any = None,
+    ) -> None:  # fmt: skip
+        own = {name: value for name, value in locals().items() if name not in ("self", "width", "depth")}
+        if not isinstance(line, Centreline):
+            own["line"] = line = Centreline(line)
+        if width is not None:
+            own |= {side: Bank(side, *_along(line, np.divide(width, 2))) for side in ("starboard", "port")}
+        if depth is not None:
+            own["depths"] = _along(line, depth)
+        if own["starboard"] is None or own["port"] is None:
+            raise InputError(f"{name}: a line alone is no waterway; give its width, or the bank on both sides")
+        vars(self).update(own)
+        self._check()
+
+    def _check(self) -> None:
         for name in ("current", "current_across", "current_shear"):
             checked_profile(self.name, name, getattr(self, name))
         is_number = isinstance(self.level, int | float | np.number) and not isinstance(self.level, bool)
@@ -278,17 +302,16 @@ def straight_waterway(canal: Canal, length: float = 10_000.0, heading: float = 0
         raise InputError(f"canal = {shown(canal)} is no canal; give nw.Canal(width, depth) in metres, then the length")
     if not length > 0:
         raise InputError(f"the length of a waterway must be positive, not {length} m")
-    ends = np.array([[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]])
-    return even_waterway(Centreline(ends), canal.width, canal.depth)
+    ends = [[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]]
+    return Waterway(ends, name="canal", width=canal.width, depth=canal.depth)
 
 
-def even_waterway(
-    line: Centreline, width: float, depth: float | None, name: str = "canal", origin: tuple[float, float] | None = None
-) -> Waterway:
-    ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
-    depths = None if depth is None else (ends, np.full(2, depth))
-    starboard, port = (Bank(side, ends, half) for side in ("starboard", "port"))
-    return Waterway(line, starboard, port, depths, name=name, origin=origin)
+def _along(line: Centreline, sizes: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Places along a line [m], its ends or its points, and the size at each."""
+    places = line.locate(line.points)[0] if np.ndim(sizes) else np.array([0.0, line.length])
+    if np.ndim(sizes) and len(sizes) != len(places):
+        raise InputError(f"{len(sizes)} sizes for {len(places)} points of a line; give one for each, or one number")
+    return places, np.full(len(places), sizes, float)
 
 
 @dataclass(frozen=True)
