@@ -176,12 +176,11 @@ class Model(Configured, Operations):
     def with_coefficients(self, changes: Mapping[str, float] = MappingProxyType({}), /, **values: float) -> "Model":
         """Return the model with some coefficients changed, given by name as a mapping ``changes`` or as ``values``.
 
-        Raises an InputError for another name.
+        A ``width`` or ``depth`` is that of another canal, as of ``with_canal``. Raises an InputError for another name.
         """
         values = {**changes, **values}
-        if sizes := values.keys() & CANAL:
-            to_depth = "with_canal(...), or nw.at_depth(model, depth) for the coefficients of another depth"
-            raise InputError(f"{sizes.pop()} is a size of the canal, no coefficient; write {to_depth}")
+        if sizes := {name: values.pop(name) for name in CANAL & values.keys()}:
+            return self.with_canal(**sizes).with_coefficients(values)
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
 
