@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from io import BytesIO
-from itertools import compress, islice, zip_longest
+from itertools import compress, islice, takewhile, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -257,15 +257,13 @@ def _best(lines: list[str]) -> Split:
 def _split(lines: list[str], separator: str) -> Split:
     rows = list(cells_of(lines, separator))
     width, later = width_of(rows), rows[len(rows) // 2 :]
-    if width < 2:
-        return Split(separator, rows, ".", 0.0)
     counts = {
         decimal: sum(is_number(cell, decimal) for row in later if len(row) == width for cell in row)
         for decimal in (".", ",")
     }
     # Whole numbers allow either; a point is usual.
     decimal = "," if counts[","] > counts["."] else "."
-    return Split(separator, rows, decimal, counts[decimal] / (width * len(later)))
+    return Split(separator, rows, decimal, counts[decimal] / (width * len(later)) if width > 1 else 0.0)
 
 
 def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
@@ -289,9 +287,6 @@ def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
 
 def _remark(numbered: list[tuple[int, str]], split: Split) -> list[str]:
     """Cells of the last comment above the first other line, as NumPy writes headers."""
-    above: list[str] = []
-    for _, line in numbered:
-        if not line.lstrip().startswith(REMARKS):
-            break
-        above = [line.lstrip().lstrip("".join(REMARKS)).strip()]
-    return next(iter(cells_of(above, split.separator)), []) if above else []
+    lines = (line.strip() for _, line in numbered)
+    above = [line.lstrip("".join(REMARKS)).strip() for line in takewhile(lambda line: line.startswith(REMARKS), lines)]
+    return next(cells_of(above[-1:], split.separator), [])

@@ -241,9 +241,8 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
 
 def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
     """Return lists of two or more numbers as an array (n, 2); None if they are not."""
-    if not isinstance(items, list) or not all(isinstance(item, list) and len(item) >= 2 for item in items):
-        return None
-    if exactly and any(len(item) > 2 for item in items):
+    most = 2 if exactly else np.inf
+    if not isinstance(items, list) or not all(isinstance(item, list) and 2 <= len(item) <= most for item in items):
         return None
     values = [[number(item[0]), number(item[1])] for item in items]
     return None if any(None in item for item in values) else np.array(values, float).reshape(-1, 2)

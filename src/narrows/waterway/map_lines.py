@@ -243,24 +243,17 @@ def _depths(areas: list[tuple[Any, float]], line: Centreline) -> tuple[np.ndarra
     edges, _ = line.locate(shapely.get_coordinates(met))
     edges = np.unique(np.clip([0.0, line.length, *edges], 0, line.length))
     edges = edges[np.append(True, np.diff(edges) > 2 * SHELF)]
-    depth = _least(areas, line.at((edges[1:] + edges[:-1]) / 2))
+    # The least depth at each place, NaN if there is none: the waterway's error names the gap.
+    points, depth = shapely.points(line.at((edges[1:] + edges[:-1]) / 2)), np.full(len(edges) - 1, np.nan)
+    for area, least in areas:
+        inside = shapely.contains(area, points)
+        depth[inside] = np.fmin(depth[inside], least)
     other = np.append(True, np.diff(depth) != 0)
     edges, depth = np.append(edges[:-1][other], edges[-1]), depth[other]
     deeper = np.diff(depth) > 0
     first = edges[:-1] + SHELF * np.append(False, deeper)
     last = edges[1:] - SHELF * np.append(np.diff(depth) < 0, False)
     return np.stack([first, last], axis=1).ravel(), np.repeat(depth, 2)
-
-
-def _least(areas: list[tuple[Any, float]], places: np.ndarray) -> np.ndarray:
-    """Least depth at places, NaN if there is none: the waterway's error names the gap."""
-    import shapely
-
-    points, depth = shapely.points(places), np.full(len(places), np.nan)
-    for area, least in areas:
-        inside = shapely.contains(area, points)
-        depth[inside] = np.fmin(depth[inside], least)
-    return depth
 
 
 # Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell. Object classes that bound the
