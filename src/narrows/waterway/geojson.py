@@ -117,7 +117,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
     flow = {name: np.asarray(own).tolist() for name in CURRENT if np.any(own := getattr(waterway, name))}
-    features = [_feature("centreline", np.asarray(line.points), origin, {**depth, **flow})]
+    features = [_feature("centreline", line.points, origin, {**depth, **flow})]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
         features.append(_feature(bank.side, _drawn(bank, sign, line), origin, shape))
@@ -250,12 +250,9 @@ def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
 
 def number(value: Any) -> float | None:
     """Return a number as a float, None if it is invalid or too large."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    try:
-        return float(value)
-    except OverflowError:
-        return None
+    with suppress(OverflowError):
+        return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+    return None
 
 
 def metres(value: Any) -> float | None:
