@@ -42,12 +42,8 @@ class Rates:
     @cached_property
     def constants(self) -> Constants:
         """Quantities that stay constant through a voyage, by their names in the lines."""
-        constants = self._parts[0]
+        constants = _rate_lines(self)[0]
         return Constants(constants.parameters, dict(constants.table))  # Exports lift more into their own.
-
-    @property
-    def _parts(self) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
-        return _rate_lines(self.motion, self.moving, self.pushed)
 
     @property
     def parameters(self) -> dict[str, Expr]:
@@ -56,11 +52,11 @@ class Rates:
         return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
 
     def depend_on(self, name: str) -> bool:
-        return any(symbol(name) in symbols_of(rate) for rate in self._parts[1])
+        return any(symbol(name) in symbols_of(rate) for rate in _rate_lines(self)[1])
 
     def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}
-        results = lines.inline(f"e{tag}_", *self._parts[2], where)
+        results = lines.inline(f"e{tag}_", *_rate_lines(self)[2], where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
     @property
@@ -73,12 +69,11 @@ class Rates:
 
 
 @lru_cache(maxsize=32)
-def _rate_lines(
-    motion: FreeMotion, moving: tuple[str, ...], is_pushed: bool
-) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
+def _rate_lines(rates: Rates) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
     """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
-    constants = Constants({s for name, s in motion.names.items() if name not in moving})
-    pushes, lift = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}, constants.lift
+    motion = rates.motion
+    constants = Constants({s for name, s in motion.names.items() if name not in rates.moving})
+    pushes, lift = {f: symbol(INPUTS[f]) for f in motion.components} if rates.pushed else {}, constants.lift
     c, s, u, v, r = (symbol(name) for name in TURNED)
     basis = [lift(expression) for expression in motion.basis]
     accelerations = dict.fromkeys(free_motion.ACCELERATIONS, sympy.Integer(0))
@@ -249,11 +244,14 @@ def _in_gradient(lines: Lines, values: Mapping[str, Expr], now: Mapping[str, Exp
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """Write the rates in the waterway from those of the local straight canal."""
+    here, now = section_here(lines, rates, choices, values, tag) if choices.waterway else (values, {})
+    straight = rates.written(lines, tag, here)
+    if choices.across != "none":
+        across = now["across"] if choices.across == "field" else real(free_motion.CURRENT_ACROSS)
+        straight["y"] = lines.put(f"d{tag}_y_", straight["y"] + across)
     if not choices.waterway:
-        straight = rates.written(lines, tag, values)
-        return {**straight, free_motion.COUNTED: values["r"], **_set_across(lines, choices, straight, {}, tag)}
-    here, now = section_here(lines, rates, choices, values, tag)
-    straight, curvature = rates.written(lines, tag, here), now["curvature"]
+        return {**straight, free_motion.COUNTED: values["r"]}
+    curvature = now["curvature"]
     along = real("current") * now["flow"] + now.get("shear", 0) * values["y"]
     pace = lines.put(f"pace_{tag}", (straight["x"] + along) / (1 - curvature * values["y"]))
     turn = lines.put(f"turn_{tag}", values["r"] - curvature * pace)
@@ -262,18 +260,8 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
         **straight,
         "x": pace,
         free_motion.COUNTED: turn,
-        **_set_across(lines, choices, straight, now, tag),
         **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()},
     }
-
-
-def _set_across(
-    lines: Lines, choices: Choices, rates: Mapping[str, Expr], now: Mapping[str, Expr], tag: str
-) -> dict[str, Expr]:
-    if choices.across == "none":
-        return {}
-    across = now["across"] if choices.across == "field" else real(free_motion.CURRENT_ACROSS)
-    return {"y": lines.put(f"d{tag}_y_", rates["y"] + across)}
 
 
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
@@ -341,7 +329,7 @@ def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple
     if contact == free_motion.CORNERS:
         return (lines.put("reach", real("half_length") * abs(sine) + half_beam * cosine),) * 2
     out = [
-        lines.put(f"point_{number}", real(forward) * sine + real(starboard) * cosine)
-        for number, (forward, starboard) in enumerate(free_motion.point_names(int(contact)))
+        lines.put(f"point_{n}", real(f"outline_forward_{n}") * sine + real(f"outline_starboard_{n}") * cosine)
+        for n in range(int(contact))
     ]
     return lines.put("reach_starboard", greatest(*out)), lines.put("reach_port", -least(*out))
