@@ -236,7 +236,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .fmu"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"matrices\(\), and python-control.s ctrb"),
-    "model.replace(depth=)": (lambda: DTC.replace(depth=0.4), r"with_canal\(...\), or nw.at_depth\(model, depth\)"),
     "model.coefficients[a name of another table]": (
         lambda: KCS.coefficients["b_bank"],
         "of the bank are Y_bank, N_bank",
@@ -748,7 +747,7 @@ def test_methods_accept_the_other_names_of_arguments() -> None:
         ("nw.control.damp", "write nw.damp"),
         ("nw.control.zigzag", "write nw.zigzag"),
         ("nw.export.save_model", "write nw.save_model"),
-        ("model.froude_number", "write choke_speed"),
+        ("write choke_speed"),
         ("model.residual_plot", r"write plot\(\)"),
         ("model.pivot_table", r"write to_dataframe\(\).pivot_table"),
         ("model.forces(4.0)", "give quantities by name"),

@@ -270,4 +270,6 @@ def _model_of(given: Any) -> Any:
         return given
     if "model" in names_of(type(given)):
         return given.model
+    if type(given).__name__ == "DataFrame":
+        raise InputError("a table of coefficients is no model; write ensemble(model, samples=100), which draws them")
     raise InputError(f"{shown(given)} is no model; give nw.published(name), nw.load_model(path) or the model of a fit")

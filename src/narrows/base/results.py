@@ -58,8 +58,9 @@ _LIBRARIES = {"np": "numpy", "nw": "narrows", "pd": "pandas"}
 @cache
 def _names_in(formula: str) -> set[str]:
     """Return the names that a formula reads, without attributes and builtins."""
-    read = {node.id for node in ast.walk(ast.parse(formula)) if isinstance(node, ast.Name)}
-    return read - vars(builtins).keys()
+    nodes = [*ast.walk(ast.parse(formula))]
+    read = {node.id for node in nodes if isinstance(node, ast.Name)}
+    return read - vars(builtins).keys() - {node.arg for node in nodes if isinstance(node, ast.arg)}
 
 
 def _value(value: Any, name: str, *values: Any, **given: Any) -> Any:

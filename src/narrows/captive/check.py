@@ -308,19 +308,15 @@ def _lapses(motions: MotionColumns) -> np.ndarray:
     columns, starts = motions.columns, motions.starts
     inside = np.ones(int(starts[-1]) - 1, bool)
     inside[starts[1:-1] - 1] = False
+    lapses = np.zeros(len(inside))
     if "t" in columns:
-        return _without_gaps(np.diff(columns["t"]), inside, starts)
-    if {"x", "u", "v", "psi"} <= columns.keys():
-        ahead = columns["u"] * np.cos(columns["psi"]) - columns["v"] * np.sin(columns["psi"])
+        lapses = np.diff(columns["t"])
+    elif {"x", "u", "v", "psi"} <= columns.keys():
         with np.errstate(all="ignore"):
-            lapses = np.abs(2 * np.diff(columns["x"]) / (ahead[1:] + ahead[:-1]))
-        if (lapses[inside] > 0).all() and np.isfinite(lapses[inside]).all():
-            return _without_gaps(lapses, inside, starts)
-    return np.zeros(len(inside))
-
-
-def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Leave out steps between tests, and those over excluded rows."""
+            lapses = np.diff(columns["x"]) / rates_of(columns)["x"]
+        if not ((lapses[inside] > 0) & np.isfinite(lapses[inside])).all():
+            return np.zeros(len(inside))
+    # Leave out steps between tests, and those over excluded rows.
     known = np.where(inside, lapses, 0.0)
     medians = [np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)]
     return np.where(known > settings.ROW_GAP * np.repeat(medians, np.diff(starts))[:-1], 0.0, known)

@@ -167,8 +167,21 @@ def twin(
     truth = truth or published("mikkelsen2025_dtc")
     if not isinstance(truth, Model):
         raise InputError(f"truth = {shown(truth)} is no model; give the ship first, and runs by name: runs=[...]")
+    if not isinstance(noise, Mapping):
+        raise InputError(f"noise = {shown(noise)} is not by force; give {{'X': 0.4, 'Y': 0.8, 'N': 1.5}} in N and N m")
     draw = np.random.default_rng(seed)
-    parts = [_measured(truth, run, noise, correlation_time, rate, draw) for run in runs]
+    keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
+    parts = []
+    for run in runs:
+        columns = run.columns(rate)
+        motion = Motion.at(**{name: column for name, column in columns.items() if name != "t"})
+        at_depth, rows = truth if run.depth is None else truth.with_canal(depth=run.depth), len(columns["t"])
+        forces = {
+            force: value + noise.get(force, 0.0) * _coloured(draw.standard_normal(rows), keep)
+            for force, value in at_depth.forces(motion).items()
+        }
+        depth = at_depth.configuration.canal.depth
+        parts.append(columns | motion.values() | forces | ({"depth": np.full(rows, depth)} if depth else {}))
     lengths = [len(part["t"]) for part in parts]
     return CaptiveTests(
         columns={name: np.concatenate([part[name] for part in parts]) for name in parts[0]},
@@ -177,22 +190,6 @@ def twin(
         configuration=truth.configuration,
         source=Source(f"synthetic tests, seed {seed}, of: {truth.source.text}"),
     )
-
-
-def _measured(
-    truth: Model, run: Run, noise: Mapping[str, float], correlation_time: float, rate: float,
-    draw: np.random.Generator,
-) -> dict[str, np.ndarray]:  # fmt: skip
-    columns = run.columns(rate)
-    motion, rows = Motion.at(**{name: column for name, column in columns.items() if name != "t"}), len(columns["t"])
-    keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
-    at_depth = truth if run.depth is None else truth.with_canal(depth=run.depth)
-    forces = {
-        force: value + noise.get(force, 0.0) * _coloured(draw.standard_normal(rows), keep)
-        for force, value in at_depth.forces(motion).items()
-    }
-    depth = run.depth or truth.configuration.canal.depth
-    return columns | motion.values() | forces | ({"depth": np.full(rows, depth)} if depth else {})
 
 
 def _coloured(white: np.ndarray, keep: float) -> np.ndarray:

@@ -193,7 +193,7 @@ def reproduce(
     "narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv", needs={"where mapping condition": "after"}
 )
 def plan(
-    ship: Annotated[Path, cli.Argument(help=cli.SHIP_FILE)],
+    ship: Annotated[Path, cli.Argument(help=f"{cli.SHIP_FILE} Or the name of a published model.")],
     selection: cli.SelectionOptions,
     delivery: cli.TableDelivery,
     runs: Annotated[int, "Number of runs."] = 12,
@@ -210,11 +210,12 @@ def plan(
     """Choose captive tests that identify the bank."""
     from narrows.report.printed_tables import print_plan
 
-    made = _tests(after, ship, selection, terms) if after else None
+    source: Any = nw.published(str(ship)) if str(ship) in nw.published() else ship
+    made = _tests(after, source, selection, terms) if after else None
     at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (speed, depths))
     aim: dict[str, Any] = {"errors": errors, "terms": terms, "targets": targets}
     aim["tank"] = nw.Tank(run_length, clearance, speeds=at_speeds, depths=at_depths, reach=reach)
-    result = nw.plan_tests(made.configuration if made else ship, runs, after=made, **aim)
+    result = nw.plan_tests(made.configuration if made else source, runs, after=made, **aim)
     delivery.give(result, print_plan)
     raise SystemExit(int(not result.determined))
 

@@ -25,7 +25,7 @@ INTEGERS = ("lane", "first")
 SIZE = 8  # Bytes of a number
 # Fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit.
 FAST = ("nsz", "contract")
-ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.LShift: "shl"}
+ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.LShift: "shl", ast.BitAnd: "and_"}
 COMPARED = {ast.Lt: "<", ast.Gt: ">", ast.LtE: "<=", ast.GtE: ">=", ast.Eq: "=="}
 INTRINSICS = {"abs": "fabs", "sqrt": "sqrt", "log": "log", "sin": "sin", "cos": "cos"}
 
@@ -160,10 +160,8 @@ class Body:
                 return builder.load(self._place(self.value(array), self._index(place)), align=SIZE, typ=DOUBLE)
             case ast.Call(func=ast.Name(id=name), args=given):
                 return self._called(name, [self.value(one) for one in given])
-            case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[ast.Name()]):
-                return builder.bitcast(self.value(value), DOUBLE)
-            case ast.Call(func=ast.Attribute(value=value, attr="view")):
-                return builder.bitcast(self.value(value), INTEGER)
+            case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[kind]):
+                return builder.bitcast(self.value(value), DOUBLE if isinstance(kind, ast.Name) else INTEGER)
             case ast.Call(func=ast.Attribute(value=ast.Name(id="np")), args=[number]):
                 value = self.value(number)
                 return value if value.type == INTEGER else builder.fptosi(value, INTEGER)
@@ -183,8 +181,6 @@ class Body:
         left, right = self._alike(left, right)
         if isinstance(operator, ast.Pow):
             return self._intrinsic("pow", left, right)
-        if isinstance(operator, ast.BitAnd):
-            return self.builder.and_(left, right)
         name = ARITHMETIC[type(operator)]
         if isinstance(left.type, ir.IntType):
             return getattr(self.builder, name)(left, right)
@@ -194,20 +190,13 @@ class Body:
         builder = self.builder
         if name in INTRINSICS:
             return self._intrinsic(INTRINSICS[name], *given)
-        if name in ("min", "max"):
-            first, second = self._alike(*given)
-            is_second = builder.fcmp_ordered("<" if name == "min" else ">", second, first)
-            return builder.select(is_second, second, first)
         if name == "any_false":
             return builder.zext(builder.not_(given[0]), INTEGER)
         if name == "real":
             whole = isinstance(given[0], ir.Value) and given[0].type == INTEGER
             return builder.sitofp(given[0], DOUBLE) if whole else given[0]
-        if name == "entry":
-            table, column, cell = given
-            row = self._arithmetic(ast.Mult(), builder.fptosi(cell, INTEGER), self.compiler.constants["CELL_ENTRIES"])
-            place = self._place(table, self._arithmetic(ast.Add(), row, column))
-            return builder.load(place, align=SIZE, typ=DOUBLE)
+        if name == "int":
+            return builder.fptosi(given[0], INTEGER) if isinstance(given[0], ir.Value) else given[0]
         function = self.compiler.functions[name]
         scope = dict(zip((one.arg for one in function.args.args), given, strict=True))
         return Body(self.compiler, builder, scope).run(function.body)

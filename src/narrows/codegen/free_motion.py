@@ -162,11 +162,6 @@ Outline = tuple[tuple[float, float], ...]
 
 CORNERS, MIDSHIP, OPEN = "corners", "midship", "none"
 
-
-def point_names(count: int) -> list[tuple[str, str]]:
-    return [(f"outline_forward_{number}", f"outline_starboard_{number}") for number in range(count)]
-
-
 # Choices of a step: contact, section, control law, external forces. No symbol is made here.
 # Columns of a waterway's table at each place: distances of the walls, depth and curvature of the line; the current over
 # the number ``current``; the least distance at which a hull can meet a bank; the distances at which the keel does.

@@ -29,22 +29,20 @@ ENDS = ("heading", "ahead", "astern", "afloat")
 def plain_text(choices: Choices, rates: Rates) -> str:
     """Write constants, rates, step and clearance of a system as functions of floats or columns."""
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
-    clearance, side = least_clearance(lines, choices, state)
-    left = dict(zip(ENDS, ends_of(ends, choices, state), strict=True))
     (step, after), (program, derivatives) = step_of(rates, choices), rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
         constants_text(rates.parameters, rates.constants),
-        _function("rates", program, {name: derivatives[name] for name in STATE}, STATE),
-        _function("step", step, {name: after[name] for name in (*kept, "clearance", "side")}, kept, "table"),
-        _function("least_clearance", lines, {"clearance": clearance, "side": side}, STATE[:5], "table"),
-        _function("ends", ends, left, STATE[:5], "table"),
+        _function("rates", program, [derivatives[name] for name in STATE], STATE),
+        _function("step", step, [after[name] for name in (*kept, "clearance", "side")], kept, "table"),
+        _function("least_clearance", lines, least_clearance(lines, choices, state), STATE[:5], "table"),
+        _function("ends", ends, ends_of(ends, choices, state), STATE[:5], "table"),
     ]
     return "\n\n".join(parts)
 
 
-def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], *table: str) -> str:
-    program, results = lines.needed_for(list(out.values())).assignments, [*out.values()]
+def _function(name: str, lines: Lines, results: Sequence[Expr], first: tuple[str, ...], *table: str) -> str:
+    program = lines.needed_for(results).assignments
     rest = tuple(sorted({*asked_by(program, results)} - {*first}))
     text = function_text(name, (*table, *first, *rest), program, results)
     return f"{name.upper()}_INPUTS = {rest!r}\n\n\n{text}"
@@ -146,14 +144,16 @@ def slope(value: Expr, by: Expr) -> Expr:
 
 
 # Exact derivatives of the motion from the same trace: by state, by control, by coefficient.
-def jacobian_text(rates: Rates, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str]) -> str:
+def jacobian_text(
+    choices: Choices, rates: Rates, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str]
+) -> str:
     rates, lines = Rates(rates.motion, arguments(actuators, section)[len(STATE) :], pushed=True), Lines()
     program, results = rates.program()
     linear = linear_slopes(program, {**results, "psi": real("r")}, actuators)
     slopes = coefficient_slopes(lines, rates, names, rates.symbols)
     # Both define constants of their own, so the texts come after them.
     texts = [_jacobian("linear", rates, *linear), _jacobian("coefficients", rates, lines, slopes)]
-    return module_text(0, constants_text(rates.parameters, rates.constants), *texts)
+    return module_text(choices.row, constants_text(rates.parameters, rates.constants), *texts)
 
 
 def _jacobian(name: str, rates: Rates, lines: Lines, results: Sequence[Expr]) -> str:

@@ -52,7 +52,7 @@ class Linearisation:
         out = np.zeros((points, len(LINEARISED), len(LINEARISED) + len(self.controlled)))
 
         def derivatives(at: Mapping[str, Number]) -> np.ndarray:
-            for column, value in enumerate(argument_values(at, self.actuators, self.section)):
+            for column, value in enumerate(self._arguments(at)):
                 values[:, column] = value
             fill(linear, values, constants, out.reshape(points, -1))
             return out
@@ -65,7 +65,7 @@ class Linearisation:
         return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
 
     def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
-        values = argument_values(at, self.actuators, self.section)
+        values = self._arguments(at)
         entries = self.functions[name](values, self.constants)
         shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *self.constants)))
         matrix = np.empty((*shape, len(entries)))
@@ -73,13 +73,10 @@ class Linearisation:
             matrix[..., index] = entry
         return matrix.reshape(*shape, rows, -1)
 
-
-def argument_values(
-    at: Mapping[str, Number], actuators: Sequence[Actuated], section: Sequence[str] = ()
-) -> list[Number]:
-    values = dict(at)
-    for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
-        if f"cos_{name}" not in values:
-            position = values.get(name, 0.0)
-            values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
-    return [values[name] if name in section else values.get(name, 0.0) for name in arguments(actuators, section)]
+    def _arguments(self, at: Mapping[str, Number]) -> list[Number]:
+        values, names = dict(at), arguments(self.actuators, self.section)
+        for name in ("psi", *(actuator.name for actuator in self.actuators if actuator.angle)):
+            if f"cos_{name}" not in values:
+                position = values.get(name, 0.0)
+                values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
+        return [values[name] if name in self.section else values.get(name, 0.0) for name in names]

@@ -192,11 +192,9 @@ def rounds(lines: Lines, apart: Callable[[Expr], bool] = lambda value: False) ->
             continue
         name, value = line
         first = max((level.get(s, 0) for s in symbols_of(value)), default=0)
-        if apart(value):
-            index = first + (first % 2 == 0)
-        else:
-            first = max(first, floor)
-            index = first + first % 2
+        is_apart = apart(value)
+        first = max(first, 0 if is_apart else floor)
+        index = first + (first % 2 != is_apart)
         level[name] = index
         scheduled.setdefault(index, []).append(line)
     return [scheduled[index] for index in sorted(scheduled)]

@@ -6,32 +6,12 @@ A straight canal is a waterway with a constant section. Every engine prints thes
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cache, cached_property, lru_cache, partial
 
 import sympy
 
-from narrows.codegen.free_motion import (
-    AFLOAT_SPEED,
-    AFTER,
-    CORNERS,
-    COUNTED,
-    CURRENT_ACROSS,
-    FIELD,
-    INPUTS,
-    LENGTH,
-    MIDSHIP,
-    OPEN,
-    SHARE,
-    STATE,
-    TIME,
-    WATER,
-    Choices,
-    Expr,
-    FreeMotion,
-    exact_number,
-    point_names,
-    symbol,
-)  # fmt: skip
+from narrows.codegen import free_motion
+from narrows.codegen.free_motion import INPUTS, STATE, Choices, Expr, FreeMotion, exact_number, symbol
 from narrows.codegen.lines import (
     FUNCTIONS,
     Assignment,
@@ -63,12 +43,8 @@ class Rates:
     @cached_property
     def constants(self) -> Constants:
         """Quantities that stay constant through a voyage, by their names in the lines."""
-        constants = self._parts[0]
+        constants = _rate_lines(self)[0]
         return Constants(constants.parameters, dict(constants.table))  # Exports lift more into their own.
-
-    @property
-    def _parts(self) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
-        return _rate_lines(self.motion, self.moving, self.pushed)
 
     @property
     def parameters(self) -> dict[str, Expr]:
@@ -77,11 +53,11 @@ class Rates:
         return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
 
     def depend_on(self, name: str) -> bool:
-        return any(symbol(name) in symbols_of(rate) for rate in self._parts[1])
+        return any(symbol(name) in symbols_of(rate) for rate in _rate_lines(self)[1])
 
     def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}
-        results = lines.inline(f"e{tag}_", *self._parts[2], where)
+        results = lines.inline(f"e{tag}_", *_rate_lines(self)[2], where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
     @property
@@ -94,12 +70,11 @@ class Rates:
 
 
 @lru_cache(maxsize=32)
-def _rate_lines(
-    motion: FreeMotion, moving: tuple[str, ...], is_pushed: bool
-) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
+def _rate_lines(rates: Rates) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
     """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
-    constants = Constants({s for name, s in motion.names.items() if name not in moving})
-    pushes, lift = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}, constants.lift
+    motion = rates.motion
+    constants = Constants({s for name, s in motion.names.items() if name not in rates.moving})
+    pushes, lift = {f: symbol(INPUTS[f]) for f in motion.components} if rates.pushed else {}, constants.lift
     c, s, u, v, r = (symbol(name) for name in TURNED)
     basis = [lift(expression) for expression in motion.basis]
     accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))
@@ -132,8 +107,8 @@ def step_of(rates: Rates, choices: Choices, whole: bool = False) -> tuple[Lines,
     # Its results: the state after it; ``clearance`` [m], the smallest margin to a bank, an end of the waterway and the
     # limit of heading; ``side`` [m], positive if the starboard bank is nearer.
     lines, z = Lines(), {name: real(name) for name in choices.kept}
-    share = sympy.Integer(1) if whole else real(SHARE)
-    h = lines.put("h", real(LENGTH) * share)
+    share = sympy.Integer(1) if whole else real(free_motion.SHARE)
+    h = lines.put("h", real(free_motion.LENGTH) * share)
     moves, out = _orders(lines, choices, z, share)
     controls = _controls(lines, choices, z, moves)
     pushes = _pushes(lines, choices, z)
@@ -145,8 +120,8 @@ def step_of(rates: Rates, choices: Choices, whole: bool = False) -> tuple[Lines,
     # A stage needs only the states that the rates depend on.
     along = ("x", "y") if choices.waterway else ()
     after = _runge_kutta(lines, z, h, rate, tuple(name for name in STATE if name in along or rates.depend_on(name)))
-    if TIME in z:
-        out[TIME] = lines.put("t_new", z[TIME] + h)
+    if free_motion.TIME in z:
+        out[free_motion.TIME] = lines.put("t_new", z[free_motion.TIME] + h)
     out |= after
     out["clearance"], out["side"] = least_clearance(lines, choices, after)
     return lines, out
@@ -181,14 +156,14 @@ def _orders(
     """Write the law's orders: the change of each actuator's position in the step, and the new memory."""
     if choices.law is None:
         return {}, {}
-    known = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
+    known = {**z, "dt": real(free_motion.LENGTH), "current": sympy.Integer(0)}
     if choices.waterway and "current" in choices.law.trace.inputs:
         along = real("current") * _water(lines, choices, "flow", z["x"])
         if choices.across == "field":
             along += _water(lines, choices, "shear", z["x"]) * z["y"]
         known["current"] = lines.put("current_seen", along)
     inputs = {name: known.get(name, real(name)) for name in choices.law.trace.inputs}
-    water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
+    water = {name: partial(_water, lines, choices, column) for name, column in free_motion.WATER.items()}
     results = choices.law.trace.replay(inputs, exact_number, {**FUNCTIONS, **water})
     moves: dict[str, Expr] = {}
     out: dict[str, Expr] = {}
@@ -198,12 +173,12 @@ def _orders(
         if actuator.late:
             gear = {part: real(f"{name}_{part}") for part in ("dead_time", "lag", "dead_band", "rate")}
             whole, after = gear_motion(
-                wanted, z[name], [z[stage] for stage in actuator.stages], gear, real(LENGTH),
+                wanted, z[name], [z[stage] for stage in actuator.stages], gear, real(free_motion.LENGTH),
                 {**FUNCTIONS, "exp": sympy.exp}, partial(lambda own, part, of: lines.put(f"{own}_{part}", of), name),
             )  # fmt: skip
             out.update(zip(actuator.stages, after, strict=True))
         else:
-            furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
+            furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(free_motion.LENGTH))
             whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
         moves[name] = lines.put(f"{name}_move", share * whole)
         out[name] = lines.put(f"{name}_new", z[name] + moves[name])
@@ -214,20 +189,17 @@ def _controls(
     lines: Lines, choices: Choices, z: Mapping[str, Expr], moves: Mapping[str, Expr]
 ) -> Callable[[Expr], dict[str, Expr]]:
     """Return a function that writes the actuators at a node of the step, once: positions, or cosine and sine."""
-    known: dict[Expr, dict[str, Expr]] = {}
 
+    @cache
     def at(node: Expr) -> dict[str, Expr]:
-        if node not in known:
-            known[node] = controls = {}
-            for actuator in choices.law.ordered if choices.law else ():
-                name = actuator.name
-                position = lines.put(f"{name}_at{len(known)}", z[name] + node * moves[name])
-                if actuator.angle:
-                    controls[f"cos_{name}"] = lines.put(f"cos_{name}{len(known)}", FUNCTIONS["cosine"](position))
-                    controls[f"sin_{name}"] = lines.put(f"sin_{name}{len(known)}", FUNCTIONS["sine"](position))
-                else:
-                    controls[name] = position
-        return known[node]
+        controls, place = dict[str, Expr](), 1 + 2 * node
+        for actuator in choices.law.ordered if choices.law else ():
+            name = actuator.name
+            position = lines.put(f"{name}_at{place}", z[name] + node * moves[name])
+            forms = [FUNCTIONS[form](position) for form in ("cosine", "sine")] if actuator.angle else [position]
+            pairs = zip(actuator.controls, forms, strict=True)
+            controls |= {control: lines.put(f"{control}{place}", form) for control, form in pairs}
+        return controls
 
     return at
 
@@ -236,9 +208,9 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
     """Write the external forces of the step: those of the next piece if the middle of the step lies in it."""
     if choices.pushed != "until":
         return {name: real(name) for name in INPUTS.values() if choices.pushed == "always" and name in choices.moving}
-    left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
+    left = lines.put("push_left", real("push_end") - (z[free_motion.TIME] + real(free_motion.LENGTH) / 2))
     return {
-        name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), real(AFTER(name))))
+        name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), real(free_motion.AFTER(name))))
         for name in INPUTS.values()
     }
 
@@ -247,7 +219,7 @@ def section_here(
     lines: Lines, rates: Rates, choices: Choices, values: Mapping[str, Expr], tag: str
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
-    columns += FIELD * (choices.across == "field")
+    columns += free_motion.FIELD * (choices.across == "field")
     now = section_at(lines, choices, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
@@ -273,11 +245,14 @@ def _in_gradient(lines: Lines, values: Mapping[str, Expr], now: Mapping[str, Exp
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """Write the rates in the waterway from those of the local straight canal."""
+    here, now = section_here(lines, rates, choices, values, tag) if choices.waterway else (values, {})
+    straight = rates.written(lines, tag, here)
+    if choices.across != "none":
+        across = now["across"] if choices.across == "field" else real(free_motion.CURRENT_ACROSS)
+        straight["y"] = lines.put(f"d{tag}_y_", straight["y"] + across)
     if not choices.waterway:
-        straight = rates.written(lines, tag, values)
-        return {**straight, COUNTED: values["r"], **_set_across(lines, choices, straight, {}, tag)}
-    here, now = section_here(lines, rates, choices, values, tag)
-    straight, curvature = rates.written(lines, tag, here), now["curvature"]
+        return {**straight, free_motion.COUNTED: values["r"]}
+    curvature = now["curvature"]
     along = real("current") * now["flow"] + now.get("shear", 0) * values["y"]
     pace = lines.put(f"pace_{tag}", (straight["x"] + along) / (1 - curvature * values["y"]))
     turn = lines.put(f"turn_{tag}", values["r"] - curvature * pace)
@@ -285,19 +260,9 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
     return {
         **straight,
         "x": pace,
-        COUNTED: turn,
-        **_set_across(lines, choices, straight, now, tag),
+        free_motion.COUNTED: turn,
         **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()},
     }
-
-
-def _set_across(
-    lines: Lines, choices: Choices, rates: Mapping[str, Expr], now: Mapping[str, Expr], tag: str
-) -> dict[str, Expr]:
-    if choices.across == "none":
-        return {}
-    across = now["across"] if choices.across == "field" else real(CURRENT_ACROSS)
-    return {"y": lines.put(f"d{tag}_y_", rates["y"] + across)}
 
 
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
@@ -306,7 +271,7 @@ Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
 def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved: tuple[str, ...]) -> dict[str, Expr]:
     """Write the classical Runge-Kutta step, and renormalise the heading to the unit circle."""
     at, k, middle = dict(z), [], {}
-    integrated = (*STATE, *(COUNTED,) * (COUNTED in z))
+    integrated = (*STATE, *(free_motion.COUNTED,) * (free_motion.COUNTED in z))
     for node in range(4):
         k.append(rate(at, node))
         if node == 2:
@@ -330,11 +295,11 @@ def least_clearance(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tu
     """Write the margin to the nearest end of the voyage, and how much nearer the starboard bank is [m]."""
     left = [*ends_left(lines, choices, z).values()]
     side: Expr = sympy.Integer(0)
-    if choices.contact != OPEN:
+    if choices.contact != free_motion.OPEN:
         reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
         walls = real("wall_starboard"), real("wall_port")
         if choices.waterway:
-            kind = "keel" if choices.contact == MIDSHIP else "near"
+            kind = "keel" if choices.contact == free_motion.MIDSHIP else "near"
             walls = tuple(section_at(lines, choices, z["x"], (f"{kind}_starboard", f"{kind}_port"), "after").values())
         starboard = lines.put("clearance_starboard", walls[0] - z["y"] - reach[0])
         port = lines.put("clearance_port", walls[1] + z["y"] - reach[1])
@@ -350,9 +315,9 @@ def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str
         left["ahead"] = lines.put("left_ahead", real("x_last") - z["x"])
         left["astern"] = lines.put("left_astern", z["x"] - real("x_first"))
     if choices.bottom:
-        most = real(AFLOAT_SPEED)
+        most = real(free_motion.AFLOAT_SPEED)
         if choices.waterway:
-            most = section_at(lines, choices, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
+            most = section_at(lines, choices, z["x"], (free_motion.AFLOAT_SPEED,), "ends")[free_motion.AFLOAT_SPEED]
         left["afloat"] = lines.put("left_afloat", most - abs(z["u"]))
     return left
 
@@ -360,12 +325,12 @@ def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str
 def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:
     """Write how far a hull extends across the canal to starboard and to port of midship [m]."""
     half_beam = real("half_beam")
-    if contact == MIDSHIP:
+    if contact == free_motion.MIDSHIP:
         return (lines.put("reach", half_beam * cosine),) * 2
-    if contact == CORNERS:
+    if contact == free_motion.CORNERS:
         return (lines.put("reach", real("half_length") * abs(sine) + half_beam * cosine),) * 2
     out = [
-        lines.put(f"point_{number}", real(forward) * sine + real(starboard) * cosine)
-        for number, (forward, starboard) in enumerate(point_names(int(contact)))
+        lines.put(f"point_{n}", real(f"outline_forward_{n}") * sine + real(f"outline_starboard_{n}") * cosine)
+        for n in range(int(contact))
     ]
     return lines.put("reach_starboard", greatest(*out)), lines.put("reach_port", -least(*out))

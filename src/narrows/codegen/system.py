@@ -88,11 +88,11 @@ class System:
     ) -> "Linearisation":
         from narrows.codegen.linearisation import Linearisation
 
-        parts = tuple(actuators), section
+        parts = self.table.names, tuple(actuators), section
         scope = _derivatives(self, *parts)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
         compiled = self._module("jacobian", *parts)
-        return Linearisation(scope, constants, self.table.names, parts[0], compiled, section)
+        return Linearisation(scope, constants, *parts[:2], compiled, section)
 
     def kernel(self, lanes: int) -> Any:
         """Return the kernel; without a compiler its loops are operations on so many lanes at once."""
@@ -120,14 +120,8 @@ class System:
     def _written(self, name: str, *parts: Any) -> str:
         from narrows.codegen import kernel  # It needs SymPy, which a cached text does not
 
-        if name == "jacobian":
-            return kernel.jacobian_text(self.rates, self.table.names, *parts)
-        texts: dict[str, Callable[..., str]] = {
-            "plain": kernel.plain_text,
-            "kernel": kernel.kernel_text,
-            "tangent": kernel.tangent_text,
-        }
-        return texts[name](self.choices, self.rates, *parts)
+        text: str = getattr(kernel, f"{name}_text")(self.choices, self.rates, *parts)
+        return text
 
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
@@ -196,9 +190,6 @@ def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
 
 
 def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
-    def entry(table: Any, column: int, cell: Any) -> Any:
-        return np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column]
-
     return COLUMNS | {
         "positive": lambda test: np.where(np.asarray(test) > 0, 1.0, 0.0),
         "whole": np.trunc,
@@ -206,5 +197,5 @@ def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
         "exp": np.exp,
         "log": np.log,
         "power": np.power,
-        "entry": entry,
+        "entry": lambda table, column, cell: np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column],
     }

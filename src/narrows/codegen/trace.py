@@ -50,14 +50,8 @@ class Recorded:
     def __init__(self, notes: "Notes", line: int) -> None:
         self.notes, self.line = notes, line
 
-    def __neg__(self) -> "Recorded":
-        return self.notes.operation("negative", self)
-
     def __pos__(self) -> "Recorded":
         return self
-
-    def __abs__(self) -> "Recorded":
-        return self.notes.operation("abs", self)
 
     def apply_function(self, name: str, values: Iterable[Any]) -> "Recorded":
         return self.notes.operation(name, *values)
@@ -70,6 +64,8 @@ def _refuse(_: Recorded, deed: str, *__: Any) -> NoReturn:
 for _sign, _name in {"+": "add", "-": "sub", "*": "mul", "/": "truediv", "**": "pow"}.items():
     setattr(Recorded, f"__{_name}__", lambda self, other, *, sign=_sign: self.notes.operation(sign, self, other))
     setattr(Recorded, f"__r{_name}__", lambda self, other, *, sign=_sign: self.notes.operation(sign, other, self))
+for _sign, _name in {"negative": "neg", "abs": "abs"}.items():
+    setattr(Recorded, f"__{_name}__", lambda self, *, sign=_sign: self.notes.operation(sign, self))
 for _deed, _names in REFUSED.items():
     for _name in _names.split():
         setattr(Recorded, _name, partialmethod(_refuse, _deed))

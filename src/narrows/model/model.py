@@ -180,7 +180,8 @@ class Model(Configured, Operations):
         """
         values = {**changes, **values}
         if sizes := {name: values.pop(name) for name in CANAL & values.keys()}:
-            return self.with_canal(**sizes).with_coefficients(values)
+            model: Model = self.with_canal(**sizes)
+            return model.with_coefficients(values)
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
         return replace(self, coefficients=Coefficients({**self.coefficients, **values}), verdicts=verdicts)
 

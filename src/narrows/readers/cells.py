@@ -198,15 +198,11 @@ def _as_frame(table: Any) -> pd.DataFrame:
         return table.reset_index(drop=table.index.names == [None])
     if hasattr(table, "data_vars"):
         frame: pd.DataFrame = table.to_dataframe().reset_index()
-        return frame.rename(columns={name: _with_unit(table, name) for name in frame.columns})
+        units = {name: own.attrs.get("units") for name, own in table.variables.items() if "[" not in str(name)}
+        return frame.rename(columns={n: f"{n} [{unit}]" for n, unit in units.items() if unit and isinstance(unit, str)})
     if hasattr(table, "to_pandas"):
         with needs("parquet", f"a {type(table).__name__}"):
             return pd.DataFrame(table.to_pandas())
     if isinstance(table, Mapping):
         return pd.DataFrame(dict(table))
     raise InputError(f"table = {shown(table)} is neither a path nor a table; give a file, a DataFrame or a Dataset")
-
-
-def _with_unit(dataset: Any, name: Any) -> str:
-    unit = dataset[name].attrs.get("units") if name in dataset.variables else None
-    return f"{name} [{unit}]" if isinstance(unit, str) and unit and "[" not in str(name) else str(name)

@@ -24,7 +24,11 @@ class Sheet(NamedTuple):
 
 
 def read_frame(path: Path) -> Sheet:
-    readers: dict[str, Callable[[Path], Sheet]] = {".parquet": _read_parquet, ".xlsx": _read_excel}
+    readers: dict[str, Callable[[Path], Sheet]] = {
+        # A column that pandas saved as its index becomes an ordinary column.
+        ".parquet": lambda path: Sheet(_parquet().read_table(path).to_pandas(ignore_metadata=True)),
+        ".xlsx": _read_excel,
+    }
     reader = readers.get(_suffix(path, READABLE))
     with nullcontext() if reader is None else stage(f"reading {path.name}"), guarding(path):
         if reader:
@@ -81,11 +85,6 @@ def _parquet() -> Any:
     return pyarrow.parquet
 
 
-def _read_parquet(path: Path) -> Sheet:
-    """Read Parquet; a column that pandas saved as its index becomes an ordinary column."""
-    return Sheet(_parquet().read_table(path).to_pandas(ignore_metadata=True))
-
-
 def _read_excel(path: Path) -> Sheet:
     with needs("excel", "Excel"):
         import openpyxl  # noqa: F401  # pandas needs it
@@ -95,19 +94,13 @@ def _read_excel(path: Path) -> Sheet:
     counts = {name: cells.apply(pd.to_numeric, errors="coerce").count().sum() for name, cells in sheets.items()}
     # The first that has a tenth of the numbers of the fullest: cover sheets have few.
     read = next(name for name, count in counts.items() if count >= max(counts.values()) / 10)
-    frame, notes = _of_cells(sheets[read], str(names[0]))
-    which = "the first" if read == names[0] else "the first with many numbers"
-    others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
-    return Sheet(frame, (*others, *notes))
-
-
-def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    cells.index = pd.RangeIndex(len(cells))
-    cells = cells.dropna(how="all")
+    cells = sheets[read].dropna(how="all")
     if cells.empty:
-        raise InputError(f"sheet {first!r} is empty; give a header and rows, in the first sheet")
+        raise InputError(f"sheet {str(names[0])!r} is empty; give a header and rows, in the first sheet")
     top = [["" if pd.isna(cell) else str(cell) for cell in row] for row in cells.head(SHEET_ROWS).to_numpy()]
     head = head_of(top, [int(row) + 1 for row in cells.index[:SHEET_ROWS]])
     frame = cells[cells.index >= head.first - 1].set_axis(list(head.headers), axis="columns").infer_objects()
     frame.index += 1 - FIRST_ROW
-    return frame, head.notes
+    which = "the first" if read == names[0] else "the first with many numbers"
+    others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
+    return Sheet(frame, (*others, *head.notes))

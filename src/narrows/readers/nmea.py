@@ -102,22 +102,20 @@ def _valid(**numbers: tuple[Any, float]) -> Values:
 
 
 PLACE = {"longitude": ("lon", 1.0), "latitude": ("lat", 1.0)}
+
+
+def _over_ground(speed: str, course: str) -> dict[str, tuple[str, float]]:
+    return {"speed_over_ground": (speed, KNOT), "course_over_ground": (course, DEGREE)}
+
+
 # Groups by type of sentence: the field that says whether a group is valid, if any, and its columns, each with its field
 # and the factor to SI. RSA: the starboard rudder, or the only one; negative if it turns the bow to port.
 FIELDS: dict[str, dict[str, tuple[str, dict[str, tuple[str, float]]]]] = {
     "GGA": {"position": ("", PLACE)}, "GNS": {"position": ("", PLACE)}, "GLL": {"position": ("status", PLACE)},
-    "RMC": {
-        "position": ("status", PLACE),
-        "speed over ground": (
-            "status", {"speed_over_ground": ("spd", KNOT), "course_over_ground": ("cog", DEGREE)},
-        ),
-    },
-    "VTG": {
-        "speed over ground": ("", {"speed_over_ground": ("sogn", KNOT), "course_over_ground": ("cogt", DEGREE)}),
-    },
+    "RMC": {"position": ("status", PLACE), "speed over ground": ("status", _over_ground("spd", "cog"))},
+    "VTG": {"speed over ground": ("", _over_ground("sogn", "cogt"))},
     "VDM": {
-        "position": ("", PLACE),
-        "speed over ground": ("", {"speed_over_ground": ("speed", KNOT), "course_over_ground": ("course", DEGREE)}),
+        "position": ("", PLACE), "speed over ground": ("", _over_ground("speed", "course")),
         "heading": ("", {"heading": ("heading", DEGREE)}), "yaw rate": ("", {"r": ("turn", DEGREE / 60)}),
     },
     "HDT": {"heading": ("", {"heading": ("headingT", DEGREE)})},

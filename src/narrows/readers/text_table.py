@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from io import BytesIO
-from itertools import compress, islice, zip_longest
+from itertools import compress, islice, takewhile, zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -199,12 +199,21 @@ def dialect_of(path: Path) -> Dialect:
     lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:DIALECT_ROWS]
     if not lines:
         raise InputError("the table is empty; give a header and rows")
-    lines = _joined(lines)
-    split = _best([line for _, line in lines])
-    numbers = [number for number, _ in lines]
+    numbers, texts = zip(*_joined(lines), strict=True)
+    # The separator that gives most numbers; without numbers, the one that gives most cells.
+    splits = [_split(texts, separator) for separator in SEPARATORS]
+    split = max(splits, key=lambda split: (round(split.score, 3), split.separator != " ", width_of(split.rows)))
+    if width_of(split.rows) < 2:
+        raise InputError(
+            f"no column is headed as a quantity, and no semicolon, tab, comma or bar parts the cells: line 1 reads "
+            f"{shown(texts[0])}; part them by one of these"
+        )
     if split.decimal == ",":
         _check_decimals(split.rows, numbers)
-    head = head_of(split.rows, numbers, split.decimal, _remark(numbered, split))
+    # NumPy writes headers as comments: the last one above the first other line.
+    above = takewhile(lambda line: line.startswith(REMARKS), (line.strip() for _, line in numbered))
+    remarks = [line.lstrip("".join(REMARKS)).strip() for line in above]
+    head = head_of(split.rows, numbers, split.decimal, next(cells_of(remarks[-1:], split.separator), []))
     return Dialect(encoding, split.separator, split.decimal, head)
 
 
@@ -242,33 +251,19 @@ def _encoding(raw: bytes) -> str:
     return "latin-1"
 
 
-def _best(lines: list[str]) -> Split:
-    """Split the lines by the separator that gives most numbers; without numbers, by the one that gives most cells."""
-    splits = [_split(lines, separator) for separator in SEPARATORS]
-    best = max(splits, key=lambda split: (round(split.score, 3), split.separator != " ", width_of(split.rows)))
-    if width_of(best.rows) < 2:
-        raise InputError(
-            f"no column is headed as a quantity, and no semicolon, tab, comma or bar parts the cells: line 1 reads "
-            f"{shown(lines[0])}; part them by one of these"
-        )
-    return best
-
-
-def _split(lines: list[str], separator: str) -> Split:
+def _split(lines: Sequence[str], separator: str) -> Split:
     rows = list(cells_of(lines, separator))
     width, later = width_of(rows), rows[len(rows) // 2 :]
-    if width < 2:
-        return Split(separator, rows, ".", 0.0)
     counts = {
         decimal: sum(is_number(cell, decimal) for row in later if len(row) == width for cell in row)
         for decimal in (".", ",")
     }
     # Whole numbers allow either; a point is usual.
     decimal = "," if counts[","] > counts["."] else "."
-    return Split(separator, rows, decimal, counts[decimal] / (width * len(later)))
+    return Split(separator, rows, decimal, counts[decimal] / (width * len(later)) if width > 1 else 0.0)
 
 
-def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
+def _check_decimals(rows: list[list[str]], lines: Sequence[int]) -> None:
     """Raise if one column has both decimal commas and decimal points."""
     for column in zip_longest(*rows, fillvalue=""):
         commas, points = (
@@ -285,13 +280,3 @@ def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
     if separator == " ":
         return (line.split() for line in lines)
     return (next(csv.reader([line], delimiter=separator, skipinitialspace=True)) for line in lines)
-
-
-def _remark(numbered: list[tuple[int, str]], split: Split) -> list[str]:
-    """Cells of the last comment above the first other line, as NumPy writes headers."""
-    above: list[str] = []
-    for _, line in numbered:
-        if not line.lstrip().startswith(REMARKS):
-            break
-        above = [line.lstrip().lstrip("".join(REMARKS)).strip()]
-    return next(iter(cells_of(above, split.separator)), []) if above else []

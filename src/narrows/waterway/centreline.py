@@ -43,7 +43,13 @@ class Centreline:
     points: np.ndarray  #: (n, 2) East and north, in the order of the voyage; at least two [m]
 
     def __post_init__(self) -> None:
-        points = self._points
+        try:
+            points = np.asarray(self.points, float)
+        except (TypeError, ValueError, OverflowError):
+            points = np.empty(0)
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
+            raise InputError("a centreline needs two points or more, each east and north in metres; add some")
+        object.__setattr__(self, "points", points)
         known = (np.abs(points) < FARTHEST).all(axis=1)
         if not known.all():
             raise InputError(f"point {int(known.argmin())} of the centreline is not finite, or not on earth")
@@ -54,22 +60,12 @@ class Centreline:
             )
 
     @cached_property
-    def _points(self) -> np.ndarray:
-        try:
-            points = np.asarray(self.points, float)
-        except (TypeError, ValueError, OverflowError):
-            points = np.empty(0)
-        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2:
-            raise InputError("a centreline needs two points or more, each east and north in metres; add some")
-        return points
-
-    @cached_property
     def _knots(self) -> np.ndarray:
-        return chords(self._points)
+        return chords(self.points)
 
     @cached_property
     def _spline(self) -> "PPoly":
-        return _spline_through(self._knots, self._points)
+        return _spline_through(self._knots, self.points)
 
     @cached_property
     def _samples(self) -> tuple[np.ndarray, np.ndarray]:

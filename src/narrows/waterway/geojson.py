@@ -117,7 +117,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
     flow = {name: np.asarray(own).tolist() for name in CURRENT if np.any(own := getattr(waterway, name))}
-    features = [_feature("centreline", np.asarray(line.points), origin, {**depth, **flow})]
+    features = [_feature("centreline", line.points, origin, {**depth, **flow})]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
         features.append(_feature(bank.side, _drawn(bank, sign, line), origin, shape))
@@ -241,9 +241,8 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
 
 def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
     """Return lists of two or more numbers as an array (n, 2); None if they are not."""
-    if not isinstance(items, list) or not all(isinstance(item, list) and len(item) >= 2 for item in items):
-        return None
-    if exactly and any(len(item) > 2 for item in items):
+    most = 2 if exactly else np.inf
+    if not isinstance(items, list) or not all(isinstance(item, list) and 2 <= len(item) <= most for item in items):
         return None
     values = [[number(item[0]), number(item[1])] for item in items]
     return None if any(None in item for item in values) else np.array(values, float).reshape(-1, 2)
@@ -251,12 +250,9 @@ def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
 
 def number(value: Any) -> float | None:
     """Return a number as a float, None if it is invalid or too large."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return None
-    try:
-        return float(value)
-    except OverflowError:
-        return None
+    with suppress(OverflowError):
+        return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+    return None
 
 
 def metres(value: Any) -> float | None:

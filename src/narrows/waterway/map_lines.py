@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.base.errors import InputError, needs
-from narrows.waterway.banks import SIGNS, Bank, Normals, bank_from_points, seen_pieces
+from narrows.waterway.banks import SIGNS, Normals, bank_from_points, seen_pieces
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.waterway import Waterway
 
@@ -220,18 +220,15 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     parts = shapely.get_parts(shapely.intersection(drawn, near))
     shores = [np.array(part.coords) for part in parts if part.geom_type == "LineString"]
     points, gaps = np.concatenate([*shores, np.empty((0, 2))]), np.cumsum([len(shore) for shore in shores])[:-1] - 1
-    starboard, port = (_bank(side, line, points, gaps, reach) for side in SIGNS)
+    banks = []
+    for side, sign in SIGNS.items():  # The outline seen along the normals: one straight piece between two corners
+        normals = Normals(line, points, sign, gaps)
+        corners, pieces = seen_pieces(normals, side, reach)
+        seen = [line.at(s, sign * normals.met(s, pieces)) for s in (corners[:-1], corners[1:])]
+        banks.append(bank_from_points(side, np.stack(seen, axis=1).reshape(-1, 2), line))
     areas = [(shapely.transform(area, partial(projected, origin=origin)), least) for area, least in chart.areas]
     depths = _depths(areas, line)
-    return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
-
-
-def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float) -> Bank:
-    """The outline of the banks visible along the normals to one side: one straight piece between two corners."""
-    normals = Normals(line, points, SIGNS[side], gaps)
-    corners, pieces = seen_pieces(normals, side, reach)
-    seen = [line.at(s, normals.sign * normals.met(s, pieces)) for s in (corners[:-1], corners[1:])]
-    return bank_from_points(side, np.stack(seen, axis=1).reshape(-1, 2), line)
+    return Waterway(line, banks[0], banks[1], depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
 
 
 def _depths(areas: list[tuple[Any, float]], line: Centreline) -> tuple[np.ndarray, np.ndarray]:
@@ -243,24 +240,17 @@ def _depths(areas: list[tuple[Any, float]], line: Centreline) -> tuple[np.ndarra
     edges, _ = line.locate(shapely.get_coordinates(met))
     edges = np.unique(np.clip([0.0, line.length, *edges], 0, line.length))
     edges = edges[np.append(True, np.diff(edges) > 2 * SHELF)]
-    depth = _least(areas, line.at((edges[1:] + edges[:-1]) / 2))
+    # The least depth at each place, NaN if there is none: the waterway's error names the gap.
+    points, depth = shapely.points(line.at((edges[1:] + edges[:-1]) / 2)), np.full(len(edges) - 1, np.nan)
+    for area, least in areas:
+        inside = shapely.contains(area, points)
+        depth[inside] = np.fmin(depth[inside], least)
     other = np.append(True, np.diff(depth) != 0)
     edges, depth = np.append(edges[:-1][other], edges[-1]), depth[other]
     deeper = np.diff(depth) > 0
     first = edges[:-1] + SHELF * np.append(False, deeper)
     last = edges[1:] - SHELF * np.append(np.diff(depth) < 0, False)
     return np.stack([first, last], axis=1).ravel(), np.repeat(depth, 2)
-
-
-def _least(areas: list[tuple[Any, float]], places: np.ndarray) -> np.ndarray:
-    """Least depth at places, NaN if there is none: the waterway's error names the gap."""
-    import shapely
-
-    points, depth = shapely.points(places), np.full(len(places), np.nan)
-    for area, least in areas:
-        inside = shapely.contains(area, points)
-        depth[inside] = np.fmin(depth[inside], least)
-    return depth
 
 
 # Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell. Object classes that bound the

@@ -33,9 +33,7 @@ from narrows.waterway.bank_clearance import exact_clearance
 Array = Any
 
 # Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
-STEP_LENGTH, SHARE, LEFT, FLAG, CLEARANCE, NEARER_SIDE, CLEARANCE_BEFORE = (
-    BOOK.index(name) for name in ("step_length", "share", "left", "flag", "clearance", "side", "clearance_before")
-)
+STEP_LENGTH, SHARE, LEFT, FLAG, CLEARANCE, NEARER_SIDE, CLEARANCE_BEFORE = range(len(BOOK))
 STATE = len(BOOK)
 X, Y, COS, SIN, U, V, R = range(STATE, STATE + 7)
 CELLS_A_METRE, MOST_SPEED, MOST_RATE = (SHARED.index(name) for name in ("cells_a_metre", "most_speed", "most_rate"))

@@ -32,14 +32,7 @@ class C(Language):
 
 
 # Plain functions as C99: one static function each.
-TYPES = {
-    "Array": "double *{}",
-    "StepState": "double *{}",
-    "float": "double {}",
-    "int": "int {}",
-    "bool": "bool {}",
-}
-
+TYPES = {"Array": "double *", "StepState": "double *", "float": "double ", "int": "int ", "bool": "bool "}
 STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
 
 
@@ -58,7 +51,7 @@ class CTranslation(Translation):
         if isinstance(returns, ast.Subscript):
             arguments.append("double *result")
         elif isinstance(returns, ast.Name):
-            kind = returns.id.replace("float", "double")
+            kind = TYPES[returns.id].strip()
         return f"static inline {kind} {self.prefix}_{self.function.name}({', '.join(arguments)}) {{"
 
     def _declared(self, argument: ast.arg) -> Iterator[str]:
@@ -70,7 +63,7 @@ class CTranslation(Translation):
             yield f"const {self.prefix}_{STRUCTURES[kind]} *{argument.arg}"
         else:
             constant = "const " if kind == "Array" and argument.arg not in self._written_arrays() else ""
-            yield constant + TYPES[kind].format(self.variable(argument.arg))
+            yield f"{constant}{TYPES[kind]}{self.variable(argument.arg)}"
 
     def variable(self, name: str) -> str:
         return name if name in STRUCTURES.values() or name in ("state", "after") else C().named(name)
@@ -86,7 +79,7 @@ class CTranslation(Translation):
         unused = names - {one.id for one in ast.walk(self.function) if isinstance(one, ast.Name)}
         kinds = {name: kind for name, kind in self.assigned().items() if name not in names}
         return [f"(void){name};" for name in sorted(unused)] + [
-            f"{kind.replace('float', 'double')} {', '.join(own)};"
+            f"{TYPES[kind]}{', '.join(own)};"
             for kind in ("int", "bool", "float")
             if (own := [name for name in kinds if kinds[name] == kind])
         ]
@@ -128,10 +121,8 @@ class CTranslation(Translation):
 
 
 # A step in C over a block of vessels: the lines of one vessel in loops over lanes, which compilers vectorise. Functions
-# of <math.h> with processor instructions:
-PLAIN = ("fabs", "sqrt", "floor")
-
-CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
+# but those of <math.h> with processor instructions:
+CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {"fabs", "sqrt", "floor"})
 
 
 class BlockC(C):

@@ -187,10 +187,10 @@ def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
     return found
 
 
-def _packed(parts: Sequence[str], between: str = " ") -> list[str]:
+def _packed(parts: Sequence[str]) -> list[str]:
     lines: list[str] = []
     for part in parts:
-        if lines and _letters(longer := f"{lines[-1]}{between}{part}") <= LINE:
+        if lines and _letters(longer := f"{lines[-1]} {part}") <= LINE:
             lines[-1] = longer
         else:
             lines.append(part)

@@ -93,10 +93,10 @@ class PlainSource:
         self.constants: dict[str, Any] = {**found, **self.numbers}
         # Meaning of each constant: the text below its assignment.
         self.about = {
-            name: meaning
+            name: " ".join(meaning.split())
             for body in bodies
             for node, below in pairwise(body)
-            if (meaning := _text_of(below))
+            if (meaning := ast.get_docstring(ast.Module([below], [])))
             for name, _ in _constants(node)
         }
         folded = [Folding(self.constants).visit(node) for body in bodies for node in body]
@@ -145,11 +145,6 @@ class Folding(ast.NodeTransformer):
         return node if known is None else node.body if known else node.orelse
 
     visit_IfExp = visit_If
-
-
-def _text_of(node: ast.stmt) -> str:
-    value = node.value.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) else ""
-    return " ".join(value.split()) if isinstance(value, str) else ""
 
 
 def _constants(node: ast.stmt) -> Iterator[tuple[str, Any]]:
@@ -223,7 +218,7 @@ def power(base, exponent):
 
 
 def exp(x):
-    x = min(max(x, -708.0), 709.0)
+    x = minimum(709.0, maximum(-708.0, x))
     shifted = x * 1.4426950408889634 + 6755399441055744.0
     whole = shifted - 6755399441055744.0
     r = x - whole * 0.6931471803691238 - whole * 1.9082149292705877e-10
