@@ -170,6 +170,10 @@ FRESH: dict[str, Callable[[Path], Any]] = {
     "linear.bode(input=, output=)": lambda at: KCS.linearize(u=4.0).bode(input="rudder", output="r").axes.size == 2,
     'linear.tf("rudder", "psi")': lambda at: KCS.linearize(u=4.0).tf("rudder", "psi").noutputs == 1,
     "linear.discretize(0.5)": lambda at: KCS.linearize(u=4.0).discretize(0.5).dt == 0.5,
+    "np.linalg.matrix_rank(linear.ctrb())": lambda at: np.linalg.matrix_rank(KCS.linearize(u=4.0).ctrb()) == 4,
+    "nw.predict(model, tests)": lambda at: len(nw.predict(DTC, TESTS())) == TESTS().rows,  # type: ignore[attr-defined]
+    "model.to_latex()": lambda at: "aligned" in DTC.to_latex(),
+    "model.froude_depth(u)": lambda at: KCS.froude_depth(4.0) == pytest.approx(4.0 / np.sqrt(9.81 * 16.2)),
     "linear.is_stable": lambda at: not KCS.linearize(u=4.0).is_stable,
     "linear.dcgain()": lambda at: KCS.linearize(u=4.0).dcgain().shape == (4, 2),
     "model.eigenvalues(u=4)": lambda at: len(KCS.eigenvalues(u=4.0)) == 4,

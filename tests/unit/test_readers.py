@@ -2,6 +2,8 @@
 
 import math
 import sys
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -214,3 +216,26 @@ def test_kinds_of_motion_are_those_that_the_laboratory_gave_its_tests() -> None:
     assert found[found != expected].to_dict() == {}
     assert tests.query(kind="pure yaw").rows < tests.query(kind="yaw").rows
     assert set(tests.query("u < 0.55", kind="yaw").kinds) == {"pure yaw", "yaw with drift"}
+
+
+def test_a_low_pass_leaves_slow_forces_and_takes_fast_ones_away() -> None:
+    """Away from the ends a force that swings in 25 s stays within a thousandth, one of 2 Hz goes, and neither comes late."""
+    tests = nw.twin(noise={}, rate=20.0, runs=[nw.HarmonicRun("A", "sway", 0.9, 25.0)])
+    fast = 0.3 * np.sin(2 * np.pi * 2.0 * tests["t"])
+    filtered = replace(tests, columns={**tests.columns, "Y": tests["Y"] + fast}).lowpass(0.5)
+    inner = (tests["t"] > 12.0) & (tests["t"] < tests["t"].max() - 12.0)
+    np.testing.assert_allclose(filtered["Y"][inner], tests["Y"][inner], atol=1e-3 * np.abs(tests["Y"]).max())
+    assert "nothing faster than 0.5 Hz" in filtered.notes[-1]
+    same(tests.query(cutoff=11.0), tests)  # half the sampling rate is less
+    with pytest.raises(nw.InputError, match="cutoff = 0 is no frequency"):
+        tests.lowpass(0)
+    with pytest.raises(nw.InputError, match="these tests have no times"):
+        replace(tests, columns={name: column for name, column in tests.columns.items() if name not in "tx"}).lowpass(1)
+
+
+def test_the_noise_of_a_twin_may_be_a_share_of_its_forces() -> None:
+    quiet, noisy = (nw.twin(noise=noise, rate=20.0, seed=3) for noise in (0.0, 0.05))
+    for rows in (slice(*ends) for ends in pairwise(quiet.starts)):
+        for force in ("X", "Y", "N"):
+            size = float(np.sqrt(np.mean(quiet[force][rows] ** 2)))
+            assert (noisy[force] - quiet[force])[rows].std() == pytest.approx(0.05 * size, rel=0.15)

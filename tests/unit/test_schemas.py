@@ -87,6 +87,8 @@ WORDS = {
     "learn": "{full} --steady {legs}",
     "monitor": "{full} --waterway {canal} --replay {told} --page --port 0 --pace 1000",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
+    "compare": "kcs --condition C0101A01 --terms paper,crossflow",
+    "linearize": "estimated_kcs --y 20 --speed 4",
     "squat": "estimated_kcs --speed 6kn,8kn",
     "waterway": "{canal} --draft 10",
     "reproduce": "--out {out}",

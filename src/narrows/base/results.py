@@ -59,7 +59,8 @@ _LIBRARIES = {"np": "numpy", "nw": "narrows", "pd": "pandas"}
 def _names_in(formula: str) -> set[str]:
     """Return the names that a formula reads, without attributes and builtins."""
     nodes = [*ast.walk(ast.parse(formula))]
-    read = {node.id for node in nodes if isinstance(node, ast.Name)}
+    names = [node for node in nodes if isinstance(node, ast.Name)]
+    read = {one.id for one in names} - {one.id for one in names if isinstance(one.ctx, ast.Store)}
     return read - vars(builtins).keys() - {node.arg for node in nodes if isinstance(node, ast.arg)}
 
 

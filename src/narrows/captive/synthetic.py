@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import accumulate, product
+from typing import Any
 
 import numpy as np
 
@@ -132,7 +133,7 @@ PAPER_RUNS = (
 def twin(
     truth: Model | None = None,
     runs: Sequence[Run] = PAPER_RUNS,
-    noise: Mapping[str, float] = FORCE_NOISE,
+    noise: Mapping[str, float] | float = FORCE_NOISE,
     correlation_time: float = 0.0,
     rate: float = 20.0,
     seed: int = 0,
@@ -147,8 +148,9 @@ def twin(
         The published DTC model unless given.
     runs : sequence of HarmonicRun or StraightRun
         The tests.
-    noise : mapping of str to float [N, N, N m]
-        Standard deviation of each force; default 0.
+    noise : mapping of str to float [N, N, N m], or float [1]
+        Standard deviation of each force; 0 of one that is not named. A number is a share of the force's root mean
+        square in the run.
     correlation_time : float [s]
         Correlation time of the noise, a first-order autoregression; 0 for white noise.
     rate : float [Hz]
@@ -167,8 +169,6 @@ def twin(
     truth = truth or published("mikkelsen2025_dtc")
     if not isinstance(truth, Model):
         raise InputError(f"truth = {shown(truth)} is no model; give the ship first, and runs by name: runs=[...]")
-    if not isinstance(noise, Mapping):
-        raise InputError(f"noise = {shown(noise)} is not by force; give {{'X': 0.4, 'Y': 0.8, 'N': 1.5}} in N and N m")
     draw = np.random.default_rng(seed)
     keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
     parts = []
@@ -177,7 +177,7 @@ def twin(
         motion = Motion.at(**{name: column for name, column in columns.items() if name != "t"})
         at_depth, rows = truth if run.depth is None else truth.with_canal(depth=run.depth), len(columns["t"])
         forces = {
-            force: value + noise.get(force, 0.0) * _coloured(draw.standard_normal(rows), keep)
+            force: value + _size_of(noise, force, value) * _coloured(draw.standard_normal(rows), keep)
             for force, value in at_depth.forces(motion).items()
         }
         depth = at_depth.configuration.canal.depth
@@ -190,6 +190,12 @@ def twin(
         configuration=truth.configuration,
         source=Source(f"synthetic tests, seed {seed}, of: {truth.source.text}"),
     )
+
+
+def _size_of(noise: Mapping[str, float] | float, force: str, values: Any) -> float:
+    if isinstance(noise, Mapping):
+        return noise.get(force, 0.0)
+    return noise * float(np.sqrt(np.mean(np.square(values))))
 
 
 def _coloured(white: np.ndarray, keep: float) -> np.ndarray:

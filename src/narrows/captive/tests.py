@@ -44,6 +44,8 @@ class Headers(NamedTuple):
 
 # Share of the speed, of a sway velocity or of yaw rate by length, below which a test has no such motion.
 LEAST_MOTION = 0.015
+# Rows that the filter of forces needs in a test, beyond which it is continued.
+PADDED = 15
 # Words for kinds of motion that tell nothing more.
 OF_ALL_KINDS = {"harmonic", "static", "steady", "dynamic", "pmm", "test", "tests"}
 # Columns of words in a table of tests.
@@ -204,22 +206,45 @@ class CaptiveTests(Configured, Tabulated):
 
         Raises an InputError if the expression is invalid, or no row is left.
         """
+        if "cutoff" in columns:
+            return self.lowpass(columns.pop("cutoff")).query(where, **columns)
         if "kind" in columns:
             asked = {*re.findall(r"[a-z]+", str(columns.pop("kind")).lower())} - OF_ALL_KINDS
             of_kind = [asked <= {*kind.split()} for kind in self.kinds]
             if not any(of_kind):
                 raise InputError(f"no test is of that kind; these are: {', '.join(dict.fromkeys(self.kinds))}")
-            found = self.where(of_kind)
-            return found.query(where, **columns) if where or columns else found
+            return self.where(of_kind).query(where, **columns)
+        if not where and not columns:
+            return self
         if columns:
             kept = [
                 (self[name] >= of[0]) & (self[name] <= of[1]) if np.size(of) == 2 else np.isin(self[name], of)
                 for name, of in columns.items()
             ]
-            found = self.of_rows(np.all(kept, axis=0))
-            return found.query(where) if where else found
+            return self.of_rows(np.all(kept, axis=0)).query(where)
         frame, known = self.to_dataframe(), {name: Quantity(unit, "") for name, unit in self.units.items() if unit}
         return self.of_rows(selection(where, frame, frame, known, "the tests"))
+
+    def lowpass(self, cutoff: float) -> "CaptiveTests":
+        """Return the tests with forces that vary more slowly than a ``cutoff`` [Hz], by a filter without delay.
+
+        It is a Butterworth filter of order 4, forward and backward; a test that is sampled too slowly for frequencies
+        above the cutoff stays as it is. Raises an InputError if the cutoff is not positive, or times are unknown.
+        """
+        from scipy.signal import butter, sosfiltfilt
+
+        if not cutoff > 0:
+            raise InputError(f"cutoff = {shown(cutoff)} is no frequency; give hertz over 0")
+        t, forces = self.columns.get("t"), {name: self[name].copy() for name in FORCES if name in self.columns}
+        if t is None and "x" not in self.columns:
+            raise InputError("these tests have no times; give a column t [s] or x [m]")
+        for rows in (slice(*ends) for ends in pairwise(self.starts)):
+            steps = np.diff(self["x"][rows]) / self["u"][rows][1:] if t is None else np.diff(t[rows])
+            if len(steps) > PADDED and (share := 2 * cutoff * float(np.median(np.abs(steps)))) < 1:
+                for column in forces.values():
+                    column[rows] = sosfiltfilt(butter(4, share, output="sos"), column[rows])
+        note = f"Forces are filtered: nothing faster than {cutoff:g} Hz."
+        return replace(self, columns={**self.columns, **forces}, notes=(*self.notes, note))
 
     def test(self, name: str) -> dict[str, np.ndarray]:
         """Return the columns of one test by its ``name``; an InputError if there is no such test."""

@@ -14,8 +14,8 @@ from narrows.base.progress import listening
 # Verbs in the order of use; a verb in none of these groups comes last.
 GROUPS = {
     "Start": ("demo", "reproduce"),
-    "Tests and models": ("estimate", "ships", "plan", "identify", "explain", "scale"),
-    "Voyages": ("waterway", "squat", "simulate", "map", "trials"),
+    "Tests and models": ("estimate", "ships", "plan", "identify", "compare", "explain", "scale"),
+    "Voyages": ("waterway", "squat", "simulate", "map", "trials", "linearize"),
     "On board": ("envelope", "learn", "monitor"),
     "Other programs": ("export",),
 }

@@ -131,9 +131,26 @@ def explain(
     )  # fmt: skip
 
 
+@cli.verb("narrows compare kcs.csv --ship kcs.toml --condition C0101A01 --terms paper,speed,crossflow")
+def compare(
+    table: cli.Table,
+    selection: cli.SelectionOptions,
+    delivery: cli.TableDelivery,
+    ship: Annotated[Path | None, f"{cli.SHIP_FILE} Not needed for the package's tests (kcs)."] = None,
+    terms: Annotated[cli.Words, "Tables of terms, a,b,c; all unless given."] = "",
+) -> None:
+    """Rank tables of terms by their errors on left-out tests."""
+    from narrows.report.printed_tables import print_comparison
+
+    delivery.give(nw.compare(_tests(table, ship, selection, nw.PAPER), terms), print_comparison)
+
+
 def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests":
+    from narrows.captive.measured import TABLES, measured_files
     from narrows.identification.fitting import the_condition
 
+    if str(table) in TABLES and not table.exists():
+        table, ship = measured_files(str(table))
     read = nw.read_captive(table, ship, selection.where, terms.actuators, selection.mapping_of(table))
     return the_condition(read, selection.condition)
 

@@ -218,6 +218,22 @@ def trials(
     delivery.give(result, print_manoeuvres)
 
 
+@cli.verb("narrows linearize estimated_kcs --y 20 --speed 4m/s")
+def linearize(
+    model: cli.ModelFile,
+    delivery: cli.TableDelivery,
+    y: Annotated[float, "Offset of the steady course to starboard of the centreline [m]."] = 0.0,
+    speed: Annotated[cli.Speed | None, "Surge velocity: 1.2 [m/s] or 8kn; default: one that suits the ship."] = None,
+) -> None:
+    """Linearise the motion about a steady course: modes, and matrices in the table or JSON."""
+    from narrows.report.printed_tables import print_linear
+    from narrows.simulation.initial_state import voyage_defaults
+
+    ship = model_named(model)
+    linear = nw.control.linearize(ship, y, voyage_defaults(ship).speed if speed is None else speed)
+    delivery.give(linear, print_linear)
+
+
 @cli.verb("narrows squat estimated_kcs --speed 6kn:12kn:7")
 def squat(
     model: cli.ModelFile,

@@ -72,6 +72,8 @@ class Operations(BaseResult):
         """Write the equations of the forces in LaTeX, one line per force."""
         return narrows.latex(self.terms, self.coefficients if numbers else None, forces)
 
+    to_latex = latex
+
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:

@@ -17,9 +17,10 @@ from narrows.quantities.names import KNOT
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
 
+    from narrows.control.linear_system import LinearSystem
     from narrows.identification.bank_summary import BankSummary
     from narrows.identification.fit import Fit
-    from narrows.identification.fitting import Explanation
+    from narrows.identification.fitting import Comparison, Explanation
     from narrows.identification.plan import Plan
     from narrows.model.derived_models import Scaled
     from narrows.model.model import Model
@@ -349,12 +350,27 @@ APART = {
 
 
 def print_explanation(explanation: "Explanation", label: str = "") -> None:
-    console, title = console_of(WIDTH), "Tables of terms by their error (RMSE) on left-out tests"
+    console = console_of(WIDTH)
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
     rows = apart_rows(explanation)
     console.print(table_of(APART, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
     print_fit(explanation.fit, label)
-    console.print(frame_table(explanation.comparison.to_dataframe().reset_index(), title=title))
-    for sentence in explanation.comparison.summary().splitlines():
+    print_comparison(explanation.comparison)
+
+
+def print_comparison(comparison: "Comparison") -> None:
+    console, title = console_of(WIDTH), "Tables of terms by their error (RMSE) on left-out tests"
+    console.print(frame_table(comparison.to_dataframe().reset_index(), title=title))
+    for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")
+
+
+def print_linear(linear: "LinearSystem") -> None:
+    console = console_of(WIDTH)
+    console.print(linear.summary())
+    modes = {"growth [1/s]": "growth", "frequency [rad/s]": "angular_frequency", "doubling [s]": "doubling_s",
+             "halving [s]": "halving_s", "period [s]": "period_s"}  # fmt: skip
+    columns = {head: f"{{{name}:.4g}}" for head, name in modes.items()}
+    console.print(table_of(columns, linear.modes().to_dict("records"), title="Modes"))
+    print_notes(console, linear.notes)
