@@ -4,10 +4,12 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Set
 from functools import partial
 from inspect import getsource
+from itertools import product
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+import numpy as np
 import sympy
 
 from narrows.base.errors import InputError
@@ -280,15 +282,10 @@ def force_program(model: Model) -> Program:
 def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) -> Expr:
     if model.covariance is None:
         return sympy.Integer(-1)
-    places = [model.terms.names.index(name) for name in names]
-    return sum(
-        (
-            exact_number(float(model.covariance[row, column])) * regressors[one] * regressors[other]
-            for row, one in zip(places, names, strict=True)
-            for column, other in zip(places, names, strict=True)
-        ),
-        sympy.Integer(0),
-    )
+    matrix = model.covariance[np.ix_(*[[model.terms.names.index(name) for name in names]] * 2)]
+    pairs = zip(matrix.flat, product(names, repeat=2), strict=True)
+    parts = (exact_number(float(size)) * regressors[one] * regressors[other] for size, (one, other) in pairs)
+    return sum(parts, sympy.Integer(0))
 
 
 # By the suffix of a file: its language, and its declaration of a result.

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,10 +24,8 @@ from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import PARAMETER, Channel, SimulatedShip, Steering
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
-
+from narrows.waterway.bank_clearance import exact_clearance
+from narrows.waterway.waterway import Waterway
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
@@ -107,8 +105,6 @@ class VoyageIntegrator:
         return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
     def _exact_clearance(self, state: State) -> tuple[float, float]:
-        from narrows.waterway.bank_clearance import exact_clearance  # Its package is slow to import
-
         x, y, cosine, sine = state[:4]
         track, outline = self._shapes
         return exact_clearance(track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, outline)
@@ -200,7 +196,7 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
 
 
 def initial_state(
-    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
+    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: Waterway | None, pushed: bool
 ) -> tuple[VoyageIntegrator, tuple[float, ...]]:
     """Return the integrator with every input of its lines, and its initial state."""
     if waterway is not None and not 0 <= (x := numbers["x"]) < waterway.line.length:

@@ -3,9 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from narrows.base.results import BaseResult
 from narrows.captive.synthetic import twin
@@ -16,9 +17,6 @@ from narrows.model.model import Model
 from narrows.simulation.derivative import stability
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.voyage import Voyage, simulate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SHARES = (
     *(0.0, 0.0, 1.0),
@@ -49,10 +47,8 @@ class Reproduction(BaseResult):
     voyages: dict[float, Voyage]  # Voyages by start to starboard [m], contact by the hull's corners
     readings: dict[str, Any]  # Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> pd.DataFrame:
         """Return the coefficients as a table: one row each, as printed and as identified again."""
-        import pandas as pd
-
         return pd.DataFrame([self._coefficient(name) for name in self.truth.terms.names]).set_index("name")
 
     @property
