@@ -17,6 +17,7 @@ from narrows.cli import options as cli
 from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export import EXPORTERS
+from narrows.report import printed_tables as tables
 
 if TYPE_CHECKING:
     from narrows.captive.read import Tests
@@ -121,12 +122,11 @@ def explain(
     It gives the errors of the model, the verdicts of a fit to these tests, and the terms that predict them best.
     """
     from narrows.report.fit_page import write_explanation
-    from narrows.report.printed_tables import print_explanation
 
     chosen = model_named(model)
     result = nw.explain(chosen, _tests(table, ship or chosen.configuration, selection, chosen.terms), compare)
     delivery.give(
-        result, lambda result: print_explanation(result, selection.condition or ""),
+        result, lambda result: tables.print_explanation(result, selection.condition or ""),
         report=lambda path: write_explanation(result, path, f"{model} on {table.name}"),
     )  # fmt: skip
 
@@ -146,7 +146,6 @@ def publish(
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.report.printed_tables import print_fit
 
     every = {**first, **fits}
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
@@ -163,7 +162,7 @@ def publish(
         click.echo(to_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown}))
     else:
         for label, fit in every.items():
-            print_fit(fit, label, answer=answers[label], table=len(every) == 1)
+            tables.print_fit(fit, label, answer=answers[label], table=len(every) == 1)
         click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
         cli.print_written([*written, delivery.report])
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
@@ -208,14 +207,12 @@ def plan(
     targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = "",
 ) -> None:
     """Choose captive tests that identify the bank."""
-    from narrows.report.printed_tables import print_plan
-
     made = _tests(after, ship, selection, terms) if after else None
     at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (speed, depths))
     aim: dict[str, Any] = {"errors": errors, "terms": terms, "targets": targets}
     aim["tank"] = nw.Tank(run_length, clearance, speeds=at_speeds, depths=at_depths, reach=reach)
     result = nw.plan_tests(made.configuration if made else ship, runs, after=made, **aim)
-    delivery.give(result, print_plan)
+    delivery.give(result, tables.print_plan)
     raise SystemExit(int(not result.determined))
 
 
@@ -238,10 +235,8 @@ def scale(
 
     It reports the effects that do not scale.
     """
-    from narrows.report.printed_tables import print_scaled
-
     scaled = nw.scale_model(model_named(model), length, density, width, depth)
-    delivery.give(scaled, print_scaled, save=scaled.model.save)
+    delivery.give(scaled, tables.print_scaled, save=scaled.model.save)
 
 
 def _known_kind(context: Any, parameter: Any, kind: str) -> str:
@@ -303,13 +298,11 @@ def estimate(
 
     Its uncertainty is the error of the formulas on known ships.
     """
-    from narrows.report.printed_tables import print_estimate
-
     ship = {"length": length, "beam": beam, "draft": draft, "block_coefficient": block, "name": name}
     model = nw.estimate_model(ship, nw.Canal(width, depth), nw.Water(density), kind=kind, speed=speed)
     coefficients = model.to_dataframe()[["value", "std", "unit"]].to_dict("index")
     shown = {"coefficients": coefficients, "summary": model.summary(), "notes": list(model.notes)}
-    delivery.give(model, print_estimate, values=lambda: shown)
+    delivery.give(model, tables.print_estimate, values=lambda: shown)
 
 
 @cli.verb("narrows ships")
@@ -321,11 +314,9 @@ def ships(
 
     Each name of the list replaces a model file.
     """
-    from narrows.report.printed_tables import print_model, print_ships
-
     one = model_named(model) if model is not None else None
     table = nw.ready_ships() if model is None else table_of_ships([model])
     summary = one.summary() if one else f"{len(table)} ships; each name replaces a model file"
     notes = list(one.notes) if one else []
     shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": notes}
-    cli.Delivery(json=json).show(lambda: shown, lambda: print_model(one) if one else print_ships(table))
+    cli.Delivery(json=json).show(lambda: shown, lambda: tables.print_model(one) if one else tables.print_ships(table))

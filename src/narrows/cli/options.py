@@ -58,10 +58,10 @@ class Text(click.ParamType[Any, Any]):
 class Option:
     """An option of a verb; its name is that of the parameter unless names are given."""
 
-    def __init__(self, *names: str, help: str, check: Callable[[Any], Any] | None = None, **attributes: Any) -> None:
+    def __init__(self, *names: str, help: str, forms: tuple[str, ...] = (), **attributes: Any) -> None:
         self.names, self.attributes = names, {"help": help, **attributes}
-        if check:
-            self.attributes["callback"] = lambda context, parameter, value: check(value)
+        if forms:  # Another suffix of a file is refused before any computation
+            self.attributes["callback"] = lambda context, parameter, path: path and form_of(path, forms) and path
 
     def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
         """Return click's parameter: kind is the type, including a union with None or a list of many."""
@@ -173,17 +173,6 @@ TRACKS = (*DATASETS, ".geojson")
 TABLES = (".csv", ".parquet", ".mat", ".json")
 # Suffixes of the verbs' files; the first is used for a device without one.
 MODELS, PAGES, WATERWAYS = (".toml",), (".html", ".htm"), (".geojson", ".json")
-
-
-def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
-    """Return a check that refuses a file name before any computation."""
-
-    def checked(path: Path | None) -> Path | None:
-        if path is not None:
-            form_of(path, forms)
-        return path
-
-    return checked
 
 
 def print_written(paths: Iterable[Path | None]) -> None:
@@ -336,13 +325,13 @@ class Delivery:
 
 JSON = Option("--json", help="Print JSON instead of tables.")
 AsJson = Annotated[bool, JSON]
-PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", check=named(PICTURES))
-REPORT = Option(help="Self-contained HTML report to write.", check=named(PAGES))
+PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", forms=PICTURES)
+REPORT = Option(help="Self-contained HTML report to write.", forms=PAGES)
 
 
 def delivered(help: str, forms: tuple[str, ...], **others: Option) -> dict[str, Option]:
     """Return the options of a delivery: by default its file and its JSON."""
-    return {"output": Option("--output", "-o", help=help, check=named(forms)), "json": JSON, **others}
+    return {"output": Option("--output", "-o", help=help, forms=forms), "json": JSON, **others}
 
 
 PlainModelDelivery = Annotated[Delivery, delivered("Model file to write: .toml.", MODELS)]

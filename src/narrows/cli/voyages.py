@@ -16,6 +16,7 @@ from narrows.base.errors import InputError, check_choice
 from narrows.base.files import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
+from narrows.report import printed_tables as tables
 
 if TYPE_CHECKING:
     from narrows.simulation.initial_state import VoyageDefaults
@@ -210,12 +211,10 @@ def trials(
 
     It gives advance, tactical diameter and overshoots of a model with a rudder, without its terms of the banks.
     """
-    from narrows.report.printed_tables import print_manoeuvres
-
     if small := [angle for angle in (turn_deg, *sum(zigzags, ())) if 0 < abs(angle) < 1]:
         raise InputError(f"trials at {small[0]:g} degrees turn no ship; give degrees from 1, or --turn-deg 0.6rad")
     result = nw.sail_trials(model_named(model), speed, turn_deg, zigzags, dt)
-    delivery.give(result, print_manoeuvres)
+    delivery.give(result, tables.print_manoeuvres)
 
 
 @cli.verb(
@@ -235,16 +234,14 @@ def waterway(
 
     The source is a line with a width and a depth, a chart, or a GeoJSON file.
     """
-    from narrows.report.printed_tables import print_waterway, waterway_summary
-
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
     delivery.give(
-        result, lambda result: print_waterway(result, draft, notes),
-        save=lambda path: nw.write_waterway(result, path), values=lambda: waterway_summary(result, draft, notes),
+        result, lambda result: tables.print_waterway(result, draft, notes),
+        save=lambda path: nw.write_waterway(result, path), values=lambda: tables.waterway_summary(result, draft, notes),
     )  # fmt: skip
 
 

@@ -7,14 +7,14 @@ from string import Formatter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 from narrows.base.errors import InputError
 from narrows.base.results import interval, readable
 
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
+    from rich.console import Console
+    from rich.table import Table
 
     from narrows.identification.bank_summary import BankSummary
     from narrows.identification.fit import Fit
@@ -33,7 +33,9 @@ WIDTH = 110
 MOST_ROWS, MOST_NOTES = 9, 6
 
 
-def console_of(least: int = 0) -> Console:
+def console_of(least: int = 0) -> "Console":
+    from rich.console import Console
+
     console = Console(highlight=False, markup=False)
     if least:
         console.width = max(console.width, least)
@@ -57,11 +59,13 @@ CELLS = _CellFormatter()
 def table_of(
     columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
-) -> Table:  # fmt: skip
+) -> "Table":  # fmt: skip
     """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned.
 
     ``columns`` maps heads to formats, such as ``{y:+.1f}``; numbers that are not finite become ``-``.
     """
+    from rich.table import Table
+
     table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", **options)
     for head in columns:
         table.add_column(head, justify="left" if head in left else "right", no_wrap=no_wrap)
@@ -71,7 +75,7 @@ def table_of(
     return table
 
 
-def print_result(result: Any, *tables: Table | None) -> None:
+def print_result(result: Any, *tables: "Table | None") -> None:
     console = console_of(WIDTH)
     console.print(result.summary())
     for table in filter(None, tables):
@@ -79,7 +83,7 @@ def print_result(result: Any, *tables: Table | None) -> None:
     print_notes(console, result.notes)
 
 
-def print_notes(console: Console, notes: Iterable[str]) -> None:
+def print_notes(console: "Console", notes: Iterable[str]) -> None:
     every = list(dict.fromkeys(notes))
     shown = every if is_verbose() else every[:MOST_NOTES]
     for note in shown:
@@ -101,7 +105,7 @@ def thinned(rows: Sequence[Row]) -> list[Row]:
     return list(rows[(len(rows) - 1) % step // 2 :: step])
 
 
-def frame_table(frame: "pd.DataFrame", **options: Any) -> Table:
+def frame_table(frame: "pd.DataFrame", **options: Any) -> "Table":
     """Return the table of a data frame: numbers to four digits, words on the left, no column without a value."""
     frame = frame.dropna(axis=1, how="all")
     numbers = {*frame.select_dtypes("number").columns}
@@ -247,8 +251,9 @@ COLOURS = {"identified": "", "zero": "", "imprecise": "yellow", "at bound": "yel
 
 
 def print_fit(
-    fit: "Fit", label: str = "", console: Console | None = None, answer: "BankSummary | None" = None, table: bool = True
-) -> None:
+    fit: "Fit", label: str = "", console: "Console | None" = None, answer: "BankSummary | None" = None,
+    table: bool = True,
+) -> None:  # fmt: skip
     """Print a fit, its main result first; with --verbose all results."""
     from narrows.identification.bank_summary import summarise_bank
     from narrows.identification.verdict import IDENTIFIED

@@ -113,15 +113,11 @@ class VoyageIntegrator:
         clearance, side = self._exact_clearance(state)
         return min(clearance, *self._ends(state)), side
 
-    def sane(self, state: State, clearance: float) -> bool:
-        u, v, r = state[4:7]
-        fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        return event.is_sane(u, v, r, clearance, self.near, self.choices.leaves, fast, turning)
-
     def integrate(self, rows: list[Row], stop: float, dt: float) -> int:
         """Integrate to a time, or to an earlier end of the voyage; return the outcome of ``event``."""
         begun, state, *_ = rows.pop()
         control, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
+        most = self.inputs["most_speed"], self.inputs["most_rate"]
         single.schedule(control, dt, stop - begun)
         left, done, before = control[event.COUNT], 0, self.clearance(state, exact=False)[0]
         while control[event.COUNT] > 0:
@@ -130,7 +126,8 @@ class VoyageIntegrator:
             t, left, done = begun + control[event.CLOCK] + done * length, left - 1, done + 1
             self._ask(t, state)
             after, clearance, _ = self.stepped(state, length)
-            row, sane = Row(t, state, length, not within), self.sane(after, clearance)
+            row = Row(t, state, length, not within)
+            sane = event.is_sane(after[4], after[5], after[6], clearance, self.near, leaves, *most)
             if self._exact and sane and (clearance <= 0 or trying):
                 clearance = self._from_banks(after)[0]
             clear = sane and event.clearance_left(clearance, before, leaves) > 0
