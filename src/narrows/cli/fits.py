@@ -1,15 +1,14 @@
 """``identify``, ``demo``, ``explain``, ``plan``: models from tests; ``estimate``, ``scale``, ``export``, ``ships``."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
 import narrows as nw
+import narrows.report.printed_tables as tables
 from narrows.base.errors import InputError
 from narrows.base.files import to_json, write_whole
 from narrows.base.progress import stage
@@ -17,7 +16,6 @@ from narrows.cli import options as cli
 from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export import EXPORTERS
-from narrows.report import printed_tables as tables
 
 if TYPE_CHECKING:
     from narrows.captive.read import Tests
@@ -139,21 +137,16 @@ def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "Term
 
 
 def publish(
-    fits: dict[str, "nw.Fit"],
-    title: str,
-    delivery: cli.ModelDelivery,
-    first: Mapping[str, "nw.Fit"] = MappingProxyType({}),
+    fits: dict[str, "nw.Fit"], title: str, delivery: cli.ModelDelivery, first: dict[str, "nw.Fit"] | None = None
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
 
-    every = {**first, **fits}
+    every = {**(first or {}), **fits}
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
-    output, written = delivery.output, list[Path]()
-    for label, fit in fits.items() if output else ():
-        assert output
-        written.append(cli.output_of(output, label) if len(fits) > 1 else output)
-        fit.model.save(written[-1])
+    written = [cli.output_of(delivery.output, label, len(fits)) for label in fits] if delivery.output else []
+    for path, fit in zip(written, fits.values(), strict=False):
+        fit.model.save(path)
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)

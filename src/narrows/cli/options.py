@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
@@ -126,12 +126,11 @@ def _declarations(function: Callable[..., Any]) -> tuple[list[click.Parameter], 
         if not is_dataclass(kind):
             parameters.append(_declared(own, hints[own], parameter.default))
             continue
-        kinds, defaults = get_type_hints(kind, include_extras=True), {one.name: one.default for one in fields(kind)}
+        kinds, made = get_type_hints(kind, include_extras=True), signature(kind).parameters  # type: ignore[arg-type]
         if chosen:
             kinds = {each: Annotated[kinds[each], option] for each, option in chosen[0].items()}
         groups[own] = kind, list(kinds)
-        for each, hint in kinds.items():
-            parameters.append(_declared(each, hint, Parameter.empty if defaults[each] is MISSING else defaults[each]))
+        parameters += [_declared(each, hint, made[each].default) for each, hint in kinds.items()]
     return parameters, groups
 
 
@@ -189,9 +188,9 @@ def folder(path: Path) -> None:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror}); choose another") from None
 
 
-def output_of(path: Path, label: str) -> Path:
-    """Return the file of a condition: its label is added to the name; a device is shared by all."""
-    if is_stream(path):
+def output_of(path: Path, label: str, conditions: int) -> Path:
+    """Return the file of one of some conditions: its label is added to the name; a device is shared by all."""
+    if conditions == 1 or is_stream(path):
         return path
     if not path.name:
         raise InputError(f"{path}: is a folder; name a file")

@@ -12,11 +12,11 @@ import click
 import numpy as np
 
 import narrows as nw
+import narrows.report.printed_tables as tables
 from narrows.base.errors import InputError, check_choice
 from narrows.base.files import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-from narrows.report import printed_tables as tables
 
 if TYPE_CHECKING:
     from narrows.simulation.initial_state import VoyageDefaults

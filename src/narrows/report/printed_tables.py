@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+import narrows as nw
 from narrows.base.errors import InputError
 from narrows.base.results import interval, readable
 
@@ -17,13 +18,6 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
     from rich.table import Table
 
     from narrows.identification.bank_summary import BankSummary
-    from narrows.identification.fit import Fit
-    from narrows.identification.fitting import Explanation
-    from narrows.identification.plan import Plan
-    from narrows.model.derived_models import Scaled
-    from narrows.model.model import Model
-    from narrows.simulation.manoeuvring_trials import Trials
-    from narrows.waterway import Waterway
 
 Row = TypeVar("Row")
 
@@ -114,7 +108,7 @@ def frame_table(frame: "pd.DataFrame", **options: Any) -> "Table":
     return table_of(columns, rows, left={*map(str, frame.columns)} - numbers, no_wrap=True, **options)
 
 
-def print_plan(plan: "Plan") -> None:
+def print_plan(plan: "nw.Plan") -> None:
     frame = plan.to_dataframe().drop(columns=["name", "duration [s]"])
     frame.insert(0, "run", range(1, len(frame) + 1))
     print_result(plan, frame_table(frame))
@@ -122,14 +116,14 @@ def print_plan(plan: "Plan") -> None:
     console_of(WIDTH).print(words)
 
 
-def print_scaled(scaled: "Scaled") -> None:
+def print_scaled(scaled: "nw.Scaled") -> None:
     frame = scaled.to_dataframe().rename(columns={"old": "was", "new": "is"})
     frame["bis [1]"] = scaled.to_dict()["bis"]
     _print_coefficients(scaled.model, frame)
     print_result(scaled)
 
 
-def print_estimate(model: "Model") -> None:
+def print_estimate(model: "nw.Model") -> None:
     console, depth = console_of(), model.configuration.canal.depth
     deep = ("No depth is given: the estimate is for deep water; add --depth for a canal.",) if depth is None else ()
     for note in (*model.notes, *deep):
@@ -137,7 +131,7 @@ def print_estimate(model: "Model") -> None:
     _print_coefficients(model)
 
 
-def print_model(model: "Model") -> None:
+def print_model(model: "nw.Model") -> None:
     print_result(model)
     _print_coefficients(model)
 
@@ -146,7 +140,7 @@ def print_model(model: "Model") -> None:
 MOST_TERMS = 20
 
 
-def _print_coefficients(model: "Model", frame: "pd.DataFrame | None" = None) -> None:
+def _print_coefficients(model: "nw.Model", frame: "pd.DataFrame | None" = None) -> None:
     """Print a table of coefficients: all, or of a long table those of the banks."""
     console, banks = console_of(), [term.name for term in model.terms.terms if term.from_bank]
     frame = model.to_dataframe()[["value", "std", "unit"]] if frame is None else frame
@@ -176,7 +170,7 @@ CIRCLE_COLUMNS = {
 ZIGZAG_COLUMNS = {"zigzag [deg]": "{order}", "overshoots [deg]": "{overshoots_deg:.1f}"}
 
 
-def print_manoeuvres(trials: "Trials") -> None:
+def print_manoeuvres(trials: "nw.Trials") -> None:
     console, results = console_of(), trials.to_dict()
     console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
     for columns, measured in ((CIRCLE_COLUMNS, results["turning"]), (ZIGZAG_COLUMNS, results["zigzags"])):
@@ -192,7 +186,7 @@ NEGLIGIBLE = 0.002
 STATION_UNITS = {"at": "m", "heading": "deg", "starboard": "m", "port": "m", "width": "m", "depth": "m"}
 
 
-def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
+def waterway_summary(waterway: "nw.Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
     length, words = waterway.line.length, waterway.summary()
     s = np.linspace(0, length, SEARCHED)
@@ -231,7 +225,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             "notes": [*notes, *more]}  # fmt: skip
 
 
-def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
+def print_waterway(waterway: "nw.Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
@@ -251,7 +245,7 @@ COLOURS = {"identified": "", "zero": "", "imprecise": "yellow", "at bound": "yel
 
 
 def print_fit(
-    fit: "Fit", label: str = "", console: "Console | None" = None, answer: "BankSummary | None" = None,
+    fit: "nw.Fit", label: str = "", console: "Console | None" = None, answer: "BankSummary | None" = None,
     table: bool = True,
 ) -> None:  # fmt: skip
     """Print a fit, its main result first; with --verbose all results."""
@@ -287,7 +281,7 @@ def print_fit(
         console.print(note, style="dim")
 
 
-def surest_first(fit: "Fit") -> list[str]:
+def surest_first(fit: "nw.Fit") -> list[str]:
     """Return the coefficients: identified, zero, others, undetermined; each group by relative uncertainty."""
     from narrows.identification.verdict import IDENTIFIED, ZERO
 
@@ -301,19 +295,19 @@ def surest_first(fit: "Fit") -> list[str]:
     return sorted(fit.terms.names, key=rank)
 
 
-def heading(fit: "Fit", label: str) -> str:
+def heading(fit: "nw.Fit", label: str) -> str:
     configuration = fit.tests.configuration
     depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
     return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
 
 
-def kkt_sentence(fit: "Fit") -> str:
+def kkt_sentence(fit: "nw.Fit") -> str:
     kkt = fit.solution.kkt
     verb = "hold" if kkt.satisfied else "FAIL"
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {max(kkt):.1e}, relative."
 
 
-def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
+def coefficient_row(fit: "nw.Fit", name: str) -> dict[str, str]:
     """Return a coefficient with its uncertainty in words, and the class of its verdict on a page."""
     verdict, std = fit.verdicts[name], fit.std[name]
     known = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
@@ -331,7 +325,7 @@ SCORE_COLUMNS = {
 }  # fmt: skip
 
 
-def apart_rows(explanation: "Explanation") -> list[dict[str, Any]]:
+def apart_rows(explanation: "nw.Explanation") -> list[dict[str, Any]]:
     own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
            for name in explanation.fit.terms.names}  # fmt: skip
     return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]
@@ -343,7 +337,7 @@ APART = {
 }  # fmt: skip
 
 
-def print_explanation(explanation: "Explanation", label: str = "") -> None:
+def print_explanation(explanation: "nw.Explanation", label: str = "") -> None:
     console, title = console_of(WIDTH), "Tables of terms by their error (RMSE) on left-out tests"
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
