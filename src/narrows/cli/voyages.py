@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 import numpy as np
@@ -17,10 +17,6 @@ from narrows.base.errors import InputError, check_choice
 from narrows.base.files import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-
-if TYPE_CHECKING:
-    from narrows.simulation.initial_state import VoyageDefaults
-
 
 ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water."]
 
@@ -100,8 +96,11 @@ class VariedOptions:
     width: Annotated[cli.Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
     x: Annotated[cli.Numbers, "Start along the waterway [m], likewise."] = "0"
 
-    def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
-        aside = np.linspace(-defaults.offset, defaults.offset, offsets)
+    def values(self, model: "nw.Model") -> dict[str, Any]:
+        from narrows.simulation.initial_state import voyage_defaults
+
+        defaults = voyage_defaults(model, self.speed)
+        aside = np.linspace(-defaults.offset, defaults.offset, OFFSETS)
         vary = {
             "y": aside if self.y is None else self.y,
             "u": np.array([defaults.speed]) if self.speed is None else self.speed,
@@ -167,12 +166,11 @@ def map_(
 ) -> None:
     """Map where the ship grounds, over one or two variables."""
     from narrows.simulation.ensemble import map_summary
-    from narrows.simulation.initial_state import voyage_defaults
 
     if within is not None and not 0 < within < float("inf"):
         raise InputError(f"--within {within} is no distance; give metres")
     chosen, waterway = model_named(model), water.read()
-    vary: dict[str, Any] = varied.values(voyage_defaults(chosen, varied.speed), OFFSETS)
+    vary: dict[str, Any] = varied.values(chosen)
     voyages = nw.ensemble(
         chosen, samples=samples, seed=seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time) | {"contact": contact}, **vary,

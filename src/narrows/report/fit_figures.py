@@ -7,7 +7,6 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 import narrows as nw
 from narrows.base.errors import check_choice
-from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.quantities.names import FORCES
@@ -78,7 +77,7 @@ def intervals_figure(fit: nw.Fit) -> Figure:
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
     figure, ((panel,),) = panels(1, 1, 0.9 + 0.22 * len(names), "x")
     for i, name in enumerate(names):
-        value, sure = fit.coefficients[name], fit.verdicts[name].status == IDENTIFIED
+        value, sure = fit.coefficients[name], fit.verdicts[name] == "identified"
         colour = BLUE if sure else ORANGE
         ends = np.array(fit.intervals[name]) / abs(value)
         panel.plot(ends, [i, i], color=colour, linestyle="-" if sure else "--")

@@ -12,7 +12,6 @@ import narrows as nw
 from narrows.base.files import write_whole
 from narrows.base.results import with_error
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
 from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
@@ -75,7 +74,7 @@ def _section(label: str, fit: nw.Fit, number: int, answer: BankSummary | None = 
                                  + [" = ".join(tie) for tie in fit.terms.ties]) or "none",
         "coefficients": [coefficient_row(fit, name) for name in surest_first(fit)],
         "first": first,
-        "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
+        "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict != "identified"],
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
                       for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": fit.shapley(),

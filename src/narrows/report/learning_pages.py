@@ -11,7 +11,6 @@ from matplotlib.figure import Figure
 
 import narrows as nw
 from narrows.base.results import interval, with_error
-from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.steady_readings import SHARED
 from narrows.quantities.names import KNOT
@@ -158,7 +157,7 @@ def _draw_rudder(axes: Axes, fit: nw.SteadyFit) -> None:
 
 def rudder_band(model: nw.Model, y: np.ndarray, u: float) -> np.ndarray:
     """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (3, offsets)."""
-    rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
+    rudder = nw.steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
     angles = rudder.transpose("place", "sample").to_numpy()
     # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
     beyond = np.where(y < 0, -np.inf, np.inf)[:, None]

@@ -250,7 +250,6 @@ def print_fit(
 ) -> None:  # fmt: skip
     """Print a fit, its main result first; with --verbose all results."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.identification.verdict import IDENTIFIED
 
     console = console or console_of()
     console.print(f"\n{heading(fit, label)}", style="bold")
@@ -271,7 +270,7 @@ def print_fit(
         console.print(sentence)
     console.print("Not determined by these tests", style="bold")
     for name, verdict in fit.verdicts.items():
-        if verdict.status != IDENTIFIED:
+        if verdict != "identified":
             console.print(f"- {verdict.sentence(name)}")
     rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
     console.print(table_of(SCORE_COLUMNS, rows, title="Fit, and on each distinct motion left out"))
@@ -283,9 +282,7 @@ def print_fit(
 
 def surest_first(fit: "nw.Fit") -> list[str]:
     """Return the coefficients: identified, zero, others, undetermined; each group by relative uncertainty."""
-    from narrows.identification.verdict import IDENTIFIED, ZERO
-
-    order = {IDENTIFIED: 0, ZERO: 1}
+    order = {"identified": 0, "zero": 1}
 
     def rank(name: str) -> tuple[int, float]:
         verdict, (low, high) = fit.verdicts[name], fit.intervals[name]

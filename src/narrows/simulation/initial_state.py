@@ -47,7 +47,6 @@ class VoyageIntegrator:
     channel: Channel  # The water
     near: float  # Distance at which a diverging motion counts as contact [m]
     order: Order | None = None  # Order of a controller of Python
-    _step_inputs: list[float] = field(init=False)
     _asked: float = field(init=False, default=math.nan)
 
     def __post_init__(self) -> None:

@@ -116,7 +116,7 @@ def _from_cells(
 
 
 # Cached tables for as long as their centreline exists, since successive voyages use the same.
-_TABLES: WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray]]] = WeakKeyDictionary()
+_TABLES: WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray, Any]]] = WeakKeyDictionary()
 
 
 def _tabulated(
@@ -130,19 +130,14 @@ def _tabulated(
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
         columns = (*free_motion.COLUMNS, *free_motion.FIELD * waterway.has_current_field)
-        cells = _cells(table, near, columns)
         # The cache holds the waterway's parts, so that their memory addresses are not reused.
-        known[key] = (table, cells)
-        known[key, "parts"] = parts  # type: ignore[assignment]
-    return known[key]
+        known[key] = table, _cells(table, near, columns), parts
+    return known[key][:2]
 
 
 def _cells(table: WaterwayTable, near: np.ndarray, names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
     columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
-    cells = np.empty((len(table.s) - 1, 2 * len(names)))
-    for index, name in enumerate(names):
-        cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
-    return cells
+    return np.column_stack([part for name in names for part in (columns[name][:-1], np.diff(columns[name]))])
 
 
 def bend_channel(
