@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 
@@ -16,11 +16,6 @@ from narrows.cli import options as cli
 from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export import EXPORTERS
-
-if TYPE_CHECKING:
-    from narrows.captive.read import Tests
-    from narrows.model.term import TermTable
-
 
 SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
@@ -129,7 +124,7 @@ def explain(
     )  # fmt: skip
 
 
-def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests":
+def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "nw.TermTable") -> Any:
     from narrows.identification.fitting import the_condition
 
     read = nw.read_captive(table, ship, selection.where, terms.actuators, selection.mapping_of(table))

@@ -7,7 +7,7 @@ from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import click
 import numpy as np
@@ -17,10 +17,6 @@ from narrows.base.errors import InputError, shown
 from narrows.base.files import PICTURES, form_of, is_stream, save_figure, to_json
 from narrows.cli.app import app
 from narrows.quantities.names import DEGREE, SPEED_UNITS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Sizes of further units of a number, by the unit in the help of its option.
 UNITS = {"s": {"s": 1.0, "min": 60.0, "h": 3600.0}, "deg": {"deg": 1.0, "rad": 1 / DEGREE}}
@@ -92,7 +88,7 @@ def _typed(kind: Any, **of_many: Any) -> dict[str, Any]:
     return {"type": TYPES[kind] if kind in TYPES else Text(get_args(kind)[1]), **attributes}
 
 
-Function = TypeVar("Function", bound=Callable[..., None])
+Function = Callable[..., None]
 
 
 def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
@@ -302,7 +298,7 @@ class Delivery:
 
     def give(
         self, result: Any, words: Callable[[Any], object], *, save: Callable[[Path], Any] | None = None,
-        draw: Callable[[], "Figure"] | None = None, report: Callable[[Path], None] | None = None,
+        draw: Callable[[], Any] | None = None, report: Callable[[Path], None] | None = None,
         values: Callable[[], Any] | None = None,
     ) -> None:  # fmt: skip
         """Write the files of a result, and print it in ``words``, or as JSON of ``values`` (its ``to_dict``)."""

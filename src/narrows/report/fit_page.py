@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 import narrows as nw
@@ -16,7 +18,7 @@ from narrows.model.data_range import MEASURES
 from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
 from narrows.report.printed_tables import apart_rows, coefficient_row, heading, kkt_sentence, surest_first
-from narrows.report.style import svg
+from narrows.report.style import FONT
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
@@ -54,7 +56,11 @@ def write_page(path: str | Path, template: str, **values: Any) -> None:
 
 
 def figure(picture: Figure, caption: str) -> dict[str, str]:
-    return {"svg": svg(picture), "caption": caption}
+    memory = StringIO()
+    with rc_context(FONT):
+        picture.savefig(memory, format="svg", dpi=100, metadata={"Date": None})
+    text = memory.getvalue()
+    return {"svg": text[text.index("<svg") :], "caption": caption}
 
 
 def _section(label: str, fit: nw.Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:

@@ -4,7 +4,7 @@ import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from string import Formatter
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,6 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
     from rich.table import Table
 
     from narrows.identification.bank_summary import BankSummary
-
-Row = TypeVar("Row")
 
 # Least width of the console [characters]: a narrower terminal wraps lines rather than losing digits.
 WIDTH = 110
@@ -91,7 +89,7 @@ def is_verbose() -> bool:
     return "--verbose" in sys.argv
 
 
-def thinned(rows: Sequence[Row]) -> list[Row]:
+def thinned(rows: Sequence[Any]) -> list[Any]:
     """Return a few equally spaced rows, with the first and the last if possible; all with --verbose."""
     if is_verbose() or len(rows) <= MOST_ROWS:
         return list(rows)
