@@ -184,8 +184,7 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
     for name in positions:
         if name not in known:
             stem = name.removesuffix("_deg")
-            in_degrees = stem != name and stem in {*POSE, *known, "rudder"}
-            if in_degrees:
+            if stem != name and stem in {*POSE, *known, "rudder"}:
                 raise InputError(f"there is no argument {name!r}; write {stem}=np.radians(...)")
             hint = did_you_mean(name, known) if known else "; it has none"
             raise InputError(f"there is no argument {name!r}, and no actuator of the model has this name{hint}")

@@ -57,9 +57,6 @@ class PreparedRun:
     # (2,) Tolerance of a contact's location, and distance at which a diverging motion counts as contact [m]
     limits: np.ndarray
     workers: int  # Threads
-    end: np.ndarray = field(init=False)
-    time: np.ndarray = field(init=False)
-    codes: np.ndarray = field(init=False)
     lane_steps: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
