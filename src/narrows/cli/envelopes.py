@@ -41,17 +41,16 @@ class SectionOptions:
         """Return the model there, what the envelope is asked of the place, and notes on the place."""
         if self.waterway is None:
             return model, {}, ()
-        at = self.at
         from narrows.safety.envelope_along import reach_at
         from narrows.simulation.outcome import water_notes
 
         waterway = self.read()
-        if not 0 <= at <= waterway.line.length:
-            raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
-        reach = reach_at(model, waterway, at)
+        if not 0 <= self.at <= waterway.line.length:
+            raise InputError(f"--at {self.at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
+        reach = reach_at(model, waterway, self.at)
         sentence = (
-            f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+z.1f} m off its centreline, starboard "
-            "positive"
+            f"at {self.at:.0f} m along {waterway.name}: the middle is {reach.middle:+z.1f} m off its centreline, "
+            "starboard positive"
         )
         return reach.model, reach.asked, (sentence, *water_notes(waterway, model.configuration.canal.depth))
 

@@ -1,15 +1,14 @@
 """``identify``, ``demo``, ``explain``, ``plan``: models from tests; ``estimate``, ``scale``, ``export``, ``ships``."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 
 import narrows as nw
+import narrows.report.printed_tables as tables
 from narrows.base.errors import InputError
 from narrows.base.files import to_json, write_whole
 from narrows.base.progress import stage
@@ -17,11 +16,6 @@ from narrows.cli import options as cli
 from narrows.cli.voyages import OF_WATERWAY, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named, table_of_ships
 from narrows.export import EXPORTERS
-
-if TYPE_CHECKING:
-    from narrows.captive.read import Tests
-    from narrows.model.term import TermTable
-
 
 SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
@@ -121,12 +115,11 @@ def explain(
     It gives the errors of the model, the verdicts of a fit to these tests, and the terms that predict them best.
     """
     from narrows.report.fit_page import write_explanation
-    from narrows.report.printed_tables import print_explanation
 
     chosen = model_named(model)
     result = nw.explain(chosen, _tests(table, ship or chosen.configuration, selection, chosen.terms), compare)
     delivery.give(
-        result, lambda result: print_explanation(result, selection.condition or ""),
+        result, lambda result: tables.print_explanation(result, selection.condition or ""),
         report=lambda path: write_explanation(result, path, f"{model} on {table.name}"),
     )  # fmt: skip
 
@@ -140,12 +133,10 @@ def compare(
     terms: Annotated[cli.Words, "Tables of terms, a,b,c; all unless given."] = "",
 ) -> None:
     """Rank tables of terms by their errors on left-out tests."""
-    from narrows.report.printed_tables import print_comparison
-
-    delivery.give(nw.compare(_tests(table, ship, selection, nw.PAPER), terms), print_comparison)
+    delivery.give(nw.compare(_tests(table, ship, selection, nw.PAPER), terms), tables.print_comparison)
 
 
-def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests":
+def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "nw.TermTable") -> Any:
     from narrows.captive.measured import TABLES, measured_files
     from narrows.identification.fitting import the_condition
 
@@ -156,22 +147,16 @@ def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "Term
 
 
 def publish(
-    fits: dict[str, "nw.Fit"],
-    title: str,
-    delivery: cli.ModelDelivery,
-    first: Mapping[str, "nw.Fit"] = MappingProxyType({}),
+    fits: dict[str, "nw.Fit"], title: str, delivery: cli.ModelDelivery, first: dict[str, "nw.Fit"] | None = None
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.report.printed_tables import print_fit
 
-    every = {**first, **fits}
+    every = {**(first or {}), **fits}
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
-    output, written = delivery.output, list[Path]()
-    for label, fit in fits.items() if output else ():
-        assert output
-        written.append(cli.output_of(output, label) if len(fits) > 1 else output)
-        fit.model.save(written[-1])
+    written = [cli.output_of(delivery.output, label, len(fits)) for label in fits] if delivery.output else []
+    for path, fit in zip(written, fits.values(), strict=False):
+        fit.model.save(path)
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)
@@ -180,7 +165,7 @@ def publish(
         click.echo(to_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown}))
     else:
         for label, fit in every.items():
-            print_fit(fit, label, answer=answers[label], table=len(every) == 1)
+            tables.print_fit(fit, label, answer=answers[label], table=len(every) == 1)
         click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
         cli.print_written([*written, delivery.report])
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
@@ -225,15 +210,13 @@ def plan(
     targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = "",
 ) -> None:
     """Choose captive tests that identify the bank."""
-    from narrows.report.printed_tables import print_plan
-
     source: Any = nw.published(str(ship)) if str(ship) in nw.published() else ship
     made = _tests(after, source, selection, terms) if after else None
     at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (speed, depths))
     aim: dict[str, Any] = {"errors": errors, "terms": terms, "targets": targets}
     aim["tank"] = nw.Tank(run_length, clearance, speeds=at_speeds, depths=at_depths, reach=reach)
     result = nw.plan_tests(made.configuration if made else source, runs, after=made, **aim)
-    delivery.give(result, print_plan)
+    delivery.give(result, tables.print_plan)
     raise SystemExit(int(not result.determined))
 
 
@@ -256,10 +239,8 @@ def scale(
 
     It reports the effects that do not scale.
     """
-    from narrows.report.printed_tables import print_scaled
-
     scaled = nw.scale_model(model_named(model), length, density, width, depth)
-    delivery.give(scaled, print_scaled, save=scaled.model.save)
+    delivery.give(scaled, tables.print_scaled, save=scaled.model.save)
 
 
 def _known_kind(context: Any, parameter: Any, kind: str) -> str:
@@ -321,13 +302,11 @@ def estimate(
 
     Its uncertainty is the error of the formulas on known ships.
     """
-    from narrows.report.printed_tables import print_estimate
-
     ship = {"length": length, "beam": beam, "draft": draft, "block_coefficient": block, "name": name}
     model = nw.estimate_model(ship, nw.Canal(width, depth), nw.Water(density), kind=kind, speed=speed)
     coefficients = model.to_dataframe()[["value", "std", "unit"]].to_dict("index")
     shown = {"coefficients": coefficients, "summary": model.summary(), "notes": list(model.notes)}
-    delivery.give(model, print_estimate, values=lambda: shown)
+    delivery.give(model, tables.print_estimate, values=lambda: shown)
 
 
 @cli.verb("narrows ships")
@@ -339,11 +318,9 @@ def ships(
 
     Each name of the list replaces a model file.
     """
-    from narrows.report.printed_tables import print_model, print_ships
-
     one = model_named(model) if model is not None else None
     table = nw.ready_ships() if model is None else table_of_ships([model])
     summary = one.summary() if one else f"{len(table)} ships; each name replaces a model file"
     notes = list(one.notes) if one else []
     shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": notes}
-    cli.Delivery(json=json).show(lambda: shown, lambda: print_model(one) if one else print_ships(table))
+    cli.Delivery(json=json).show(lambda: shown, lambda: tables.print_model(one) if one else tables.print_ships(table))

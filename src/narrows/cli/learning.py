@@ -29,7 +29,7 @@ class LogOptions:
     unchecked: Annotated[bool, "Fit although the log's signs, units or clock look wrong."] = False
 
 
-PILOT_PAGE = cli.Option(help="Plan steady legs and write the pilot's page: .html.", check=cli.named(cli.PAGES))
+PILOT_PAGE = cli.Option(help="Plan steady legs and write the pilot's page: .html.", forms=cli.PAGES)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import dataclass, is_dataclass
 from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
 
 import click
 import numpy as np
@@ -17,10 +17,6 @@ from narrows.base.errors import InputError, shown
 from narrows.base.files import PICTURES, form_of, is_stream, save_figure, to_json
 from narrows.cli.app import app
 from narrows.quantities.names import DEGREE, SPEED_UNITS
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 # Sizes of further units of a number, by the unit in the help of its option.
 UNITS = {"s": {"s": 1.0, "min": 60.0, "h": 3600.0}, "deg": {"deg": 1.0, "rad": 1 / DEGREE}}
@@ -58,10 +54,10 @@ class Text(click.ParamType[Any, Any]):
 class Option:
     """An option of a verb; its name is that of the parameter unless names are given."""
 
-    def __init__(self, *names: str, help: str, check: Callable[[Any], Any] | None = None, **attributes: Any) -> None:
+    def __init__(self, *names: str, help: str, forms: tuple[str, ...] = (), **attributes: Any) -> None:
         self.names, self.attributes = names, {"help": help, **attributes}
-        if check:
-            self.attributes["callback"] = lambda context, parameter, value: check(value)
+        if forms:  # Another suffix of a file is refused before any computation
+            self.attributes["callback"] = lambda context, parameter, path: path and form_of(path, forms) and path
 
     def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
         """Return click's parameter: kind is the type, including a union with None or a list of many."""
@@ -92,7 +88,7 @@ def _typed(kind: Any, **of_many: Any) -> dict[str, Any]:
     return {"type": TYPES[kind] if kind in TYPES else Text(get_args(kind)[1]), **attributes}
 
 
-Function = TypeVar("Function", bound=Callable[..., None])
+Function = Callable[..., None]
 
 
 def verb(example: str, name: str | None = None, **together: Any) -> Callable[[Function], Function]:
@@ -126,12 +122,11 @@ def _declarations(function: Callable[..., Any]) -> tuple[list[click.Parameter], 
         if not is_dataclass(kind):
             parameters.append(_declared(own, hints[own], parameter.default))
             continue
-        kinds, defaults = get_type_hints(kind, include_extras=True), {one.name: one.default for one in fields(kind)}
+        kinds, made = get_type_hints(kind, include_extras=True), signature(kind).parameters  # type: ignore[arg-type]
         if chosen:
             kinds = {each: Annotated[kinds[each], option] for each, option in chosen[0].items()}
         groups[own] = kind, list(kinds)
-        for each, hint in kinds.items():
-            parameters.append(_declared(each, hint, Parameter.empty if defaults[each] is MISSING else defaults[each]))
+        parameters += [_declared(each, hint, made[each].default) for each, hint in kinds.items()]
     return parameters, groups
 
 
@@ -175,17 +170,6 @@ TABLES = (".csv", ".parquet", ".mat", ".json")
 MODELS, PAGES, WATERWAYS = (".toml",), (".html", ".htm"), (".geojson", ".json")
 
 
-def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
-    """Return a check that refuses a file name before any computation."""
-
-    def checked(path: Path | None) -> Path | None:
-        if path is not None:
-            form_of(path, forms)
-        return path
-
-    return checked
-
-
 def print_written(paths: Iterable[Path | None]) -> None:
     """Print which files were written; nothing for streams."""
     files = [path for path in paths if path is not None]
@@ -200,9 +184,9 @@ def folder(path: Path) -> None:
         raise InputError(f"{path}: cannot be made a folder ({error.strerror}); choose another") from None
 
 
-def output_of(path: Path, label: str) -> Path:
-    """Return the file of a condition: its label is added to the name; a device is shared by all."""
-    if is_stream(path):
+def output_of(path: Path, label: str, conditions: int) -> Path:
+    """Return the file of one of some conditions: its label is added to the name; a device is shared by all."""
+    if conditions == 1 or is_stream(path):
         return path
     if not path.name:
         raise InputError(f"{path}: is a folder; name a file")
@@ -314,7 +298,7 @@ class Delivery:
 
     def give(
         self, result: Any, words: Callable[[Any], object], *, save: Callable[[Path], Any] | None = None,
-        draw: Callable[[], "Figure"] | None = None, report: Callable[[Path], None] | None = None,
+        draw: Callable[[], Any] | None = None, report: Callable[[Path], None] | None = None,
         values: Callable[[], Any] | None = None,
     ) -> None:  # fmt: skip
         """Write the files of a result, and print it in ``words``, or as JSON of ``values`` (its ``to_dict``)."""
@@ -336,13 +320,13 @@ class Delivery:
 
 JSON = Option("--json", help="Print JSON instead of tables.")
 AsJson = Annotated[bool, JSON]
-PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", check=named(PICTURES))
-REPORT = Option(help="Self-contained HTML report to write.", check=named(PAGES))
+PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", forms=PICTURES)
+REPORT = Option(help="Self-contained HTML report to write.", forms=PAGES)
 
 
 def delivered(help: str, forms: tuple[str, ...], **others: Option) -> dict[str, Option]:
     """Return the options of a delivery: by default its file and its JSON."""
-    return {"output": Option("--output", "-o", help=help, check=named(forms)), "json": JSON, **others}
+    return {"output": Option("--output", "-o", help=help, forms=forms), "json": JSON, **others}
 
 
 PlainModelDelivery = Annotated[Delivery, delivered("Model file to write: .toml.", MODELS)]

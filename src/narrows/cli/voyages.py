@@ -6,20 +6,17 @@ from dataclasses import dataclass
 from functools import partial
 from math import radians
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 import numpy as np
 
 import narrows as nw
+import narrows.report.printed_tables as tables
 from narrows.base.errors import InputError, check_choice
 from narrows.base.files import save_dataset
 from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
-
-if TYPE_CHECKING:
-    from narrows.simulation.initial_state import VoyageDefaults
-
 
 ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water."]
 
@@ -99,8 +96,11 @@ class VariedOptions:
     width: Annotated[cli.Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
     x: Annotated[cli.Numbers, "Start along the waterway [m], likewise."] = "0"
 
-    def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
-        aside = np.linspace(-defaults.offset, defaults.offset, offsets)
+    def values(self, model: "nw.Model") -> dict[str, Any]:
+        from narrows.simulation.initial_state import voyage_defaults
+
+        defaults = voyage_defaults(model, self.speed)
+        aside = np.linspace(-defaults.offset, defaults.offset, OFFSETS)
         vary = {
             "y": aside if self.y is None else self.y,
             "u": np.array([defaults.speed]) if self.speed is None else self.speed,
@@ -166,12 +166,11 @@ def map_(
 ) -> None:
     """Map where the ship grounds, over one or two variables."""
     from narrows.simulation.ensemble import map_summary
-    from narrows.simulation.initial_state import voyage_defaults
 
     if within is not None and not 0 < within < float("inf"):
         raise InputError(f"--within {within} is no distance; give metres")
     chosen, waterway = model_named(model), water.read()
-    vary: dict[str, Any] = varied.values(voyage_defaults(chosen, varied.speed), OFFSETS)
+    vary: dict[str, Any] = varied.values(chosen)
     voyages = nw.ensemble(
         chosen, samples=samples, seed=seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time) | {"contact": contact}, **vary,
@@ -210,12 +209,10 @@ def trials(
 
     It gives advance, tactical diameter and overshoots of a model with a rudder, without its terms of the banks.
     """
-    from narrows.report.printed_tables import print_manoeuvres
-
     if small := [angle for angle in (turn_deg, *sum(zigzags, ())) if 0 < abs(angle) < 1]:
         raise InputError(f"trials at {small[0]:g} degrees turn no ship; give degrees from 1, or --turn-deg 0.6rad")
     result = nw.sail_trials(model_named(model), speed, turn_deg, zigzags, dt)
-    delivery.give(result, print_manoeuvres)
+    delivery.give(result, tables.print_manoeuvres)
 
 
 @cli.verb("narrows linearize estimated_kcs --y 20 --speed 4m/s")
@@ -226,12 +223,11 @@ def linearize(
     speed: Annotated[cli.Speed | None, "Surge velocity: 1.2 [m/s] or 8kn; default: one that suits the ship."] = None,
 ) -> None:
     """Linearise the motion about a steady course: modes, and matrices in the table or JSON."""
-    from narrows.report.printed_tables import print_linear
     from narrows.simulation.initial_state import voyage_defaults
 
     ship = model_named(model)
     linear = nw.control.linearize(ship, y, voyage_defaults(ship).speed if speed is None else speed)
-    delivery.give(linear, print_linear)
+    delivery.give(linear, tables.print_linear)
 
 
 @cli.verb("narrows squat estimated_kcs --speed 6kn:12kn:7")
@@ -243,10 +239,8 @@ def squat(
     formula: Annotated[str | None, "Formula: huuska, icorels, barrass ...; default: the first that is valid."] = None,
 ) -> None:
     """Estimate the sinkage of a ship in its canal."""
-    from narrows.report.printed_tables import print_squat
-
     choice: Any = gives, formula
-    delivery.give(nw.squat(model_named(model), speed, *choice), print_squat)
+    delivery.give(nw.squat(model_named(model), speed, *choice), tables.print_squat)
 
 
 @cli.verb(
@@ -266,16 +260,14 @@ def waterway(
 
     The source is a line with a width and a depth, a chart, or a GeoJSON file.
     """
-    from narrows.report.printed_tables import print_waterway, waterway_summary
-
     if file is not None and file.suffix == ".000" and line is None:
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
     delivery.give(
-        result, lambda result: print_waterway(result, draft, notes),
-        save=lambda path: nw.write_waterway(result, path), values=lambda: waterway_summary(result, draft, notes),
+        result, lambda result: tables.print_waterway(result, draft, notes),
+        save=lambda path: nw.write_waterway(result, path), values=lambda: tables.waterway_summary(result, draft, notes),
     )  # fmt: skip
 
 

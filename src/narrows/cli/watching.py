@@ -17,7 +17,7 @@ import narrows as nw
 from narrows.base.errors import InputError
 from narrows.base.files import write_whole
 from narrows.base.progress import stage
-from narrows.cli.options import Argument, Option, ReportDelivery, WaterwayFile, named, numbers, verb
+from narrows.cli.options import Argument, Option, ReportDelivery, WaterwayFile, numbers, verb
 from narrows.empirical.fleet import model_named
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class InputOptions:
     antenna: Annotated[str, "Position of the antenna [m]: forward,starboard of midship."] = "0,0"
 
 
-RECORDING = Option(help="Write the messages of --demo, for --replay: .nmea.", check=named((".nmea",)))
+RECORDING = Option(help="Write the messages of --demo, for --replay: .nmea.", forms=(".nmea",))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy
@@ -29,9 +29,7 @@ from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import Channel, SimulatedShip, Steering, steering_of
 from narrows.waterway.centreline import check_along_only
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
 ORDERED = "ordered_{}".format  # Name in the lines of a caller's order to an actuator with a gear
@@ -69,13 +67,13 @@ class ExportedNumber:
 @dataclass(frozen=True)
 class ExportedShip:
     ship: SimulatedShip  # Model under its choices
-    waterway: "Waterway | None" = None  # Its table goes into the file if the section changes along the way
+    waterway: Waterway | None = None  # Its table goes into the file if the section changes along the way
     prefix: str = USUAL_PREFIX  # Prefix of the names in the file
     steering: Steering | None = None  # Control law that gives the orders instead of a caller
 
     @classmethod
     def of(
-        cls, model: Model, path: str | Path, waterway: "Waterway | None" = None, controller: Any = None, **choices: Any
+        cls, model: Model, path: str | Path, waterway: Waterway | None = None, controller: Any = None, **choices: Any
     ) -> "ExportedShip":
         """Return a ship under its choices with its control law; names begin with that of the file."""
         if waterway is not None:

@@ -4,10 +4,12 @@ import ast
 from collections.abc import Callable, Iterator, Mapping, Set
 from functools import partial
 from inspect import getsource
+from itertools import product
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+import numpy as np
 import sympy
 
 from narrows.base.errors import InputError
@@ -201,8 +203,9 @@ def python_text(exported: ExportedShip) -> str:
 
 def matlab_text(exported: ExportedShip) -> str:
     language = Matlab()
-    order = [one.name for one in _states_of_mss(exported)]
-    where = {name: f"x({number})" for number, name in enumerate(order, 1)}
+    known = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
+    states = [known[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.choices.gear)]
+    where = {one.name: f"x({number})" for number, one in enumerate(states, 1)}
     for angle in ("psi", *(actuator.name for actuator in exported.geared)):
         where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
     pairs = zip(exported.input_names, exported.inputs, strict=True)
@@ -212,27 +215,18 @@ def matlab_text(exported: ExportedShip) -> str:
     motion, gear = exported.continuous
     asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked, *exported.water}]
     where |= {name: name for name in asked}
-    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *exported.choices.gear)}
-    targets = list(rates.values())
-    lines = [
-        *language.body(motion, targets[: len(LINEARISED)], where),
-        *language.body(gear, targets[len(LINEARISED) :], where),
-    ]
-    known = dict(zip(exported.constants, exported.programs["constants"].results, strict=True))
-    constants = Program.of(Lines(list(exported.programs["constants"].assignments)), [known[name] for name in asked])
+    targets = [f"xdot{where[name][1:]}" for name in (*LINEARISED, *exported.choices.gear)]
+    lines = language.body(motion, targets[: len(LINEARISED)], where)
+    lines += language.body(gear, targets[len(LINEARISED) :], where)
+    results = dict(zip(exported.constants, exported.programs["constants"].results, strict=True))
+    constants = Program.of(Lines(list(exported.programs["constants"].assignments)), [results[name] for name in asked])
     return rendered(
-        "model.m.j2", exported, language, lines=lines, inputs=[one for _, one in inputs],
-        states=_states_of_mss(exported),
+        "model.m.j2", exported, language, lines=lines, states=states, inputs=[one for _, one in inputs],
         parameters=[one for one in exported.parameters if one.name in constants.asked],
         constants=language.body(constants, asked, {name: name for name in constants.asked}),
         sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)",
                **{name: name for name in exported.water}},
     )  # fmt: skip
-
-
-def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
-    states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
-    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.choices.gear)]
 
 
 def latex_file(model: Model, path: str | Path, suffix: str) -> tuple[str, None]:
@@ -280,15 +274,10 @@ def force_program(model: Model) -> Program:
 def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) -> Expr:
     if model.covariance is None:
         return sympy.Integer(-1)
-    places = [model.terms.names.index(name) for name in names]
-    return sum(
-        (
-            exact_number(float(model.covariance[row, column])) * regressors[one] * regressors[other]
-            for row, one in zip(places, names, strict=True)
-            for column, other in zip(places, names, strict=True)
-        ),
-        sympy.Integer(0),
-    )
+    matrix = model.covariance[np.ix_(*[[model.terms.names.index(name) for name in names]] * 2)]
+    pairs = zip(matrix.flat, product(names, repeat=2), strict=True)
+    parts = (exact_number(float(size)) * regressors[one] * regressors[other] for size, (one, other) in pairs)
+    return sum(parts, sympy.Integer(0))
 
 
 # By the suffix of a file: its language, and its declaration of a result.

@@ -202,8 +202,7 @@ SPEED_COLUMNS = {"speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clear
 
 
 def envelope_along_chart(along: EnvelopeAlong) -> Figure:
-    figure, axes = panels(2, 1, 6.2, sharex=True)
-    speed, offset = axes[:, 0]
+    figure, ((speed,), (offset,)) = panels(2, 1, 6.2, sharex=True)
     rows, edges, (s, *banks) = along.to_dataframe(), along.edges(), along.banks()
     _filled(speed, edges, rows, "lowest_speed", "highest_speed")
     _filled(offset, edges, rows, "port", "starboard", (s, *banks))

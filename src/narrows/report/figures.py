@@ -10,21 +10,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+import narrows as nw
 from narrows.base.errors import InputError, check_choice, reason, shown
 from narrows.base.files import PICTURES, save_figure
 from narrows.control import LinearSystem
 from narrows.estimation import EstimatedTrack
 from narrows.estimation.states import described
-from narrows.identification.plan import Plan
 from narrows.logbook.ship_log import SIGNALS, ShipLog
-from narrows.logbook.steady_legs import SteadyPlan
-from narrows.logbook.transits import InformationForecast
-from narrows.model.model import Model
 from narrows.report import envelope_chart, fit_figures, learning_pages, transit_report, voyage_figures
 from narrows.report.colours import BLACK, BLUE, GREY, ORANGE
 from narrows.report.style import FORCE_LABELS, drawing_on, notes_below, panels
-from narrows.ship.motion import Motion
-from narrows.simulation.derivative import Jacobian
 
 
 def figure_of(result: Any, axes: Any = None, **style: Any) -> Figure:
@@ -106,16 +101,16 @@ def track_figure(track: EstimatedTrack) -> Figure:
     return figure
 
 
-def model_figure(model: Model) -> Figure:
+def model_figure(model: nw.Model) -> Figure:
     covered = model.data_range.speed  # Its middle, if the data give one
     speed = float(np.mean(covered)) if covered else SPEED_OF_LENGTH * math.sqrt(9.81 * model.ship.length)
     figure, axes = panels(2, 1, 4.2, sharex=True)
     if model.has_bank:
         place = REACH * (model.configuration.canal.width - model.ship.beam) / 2 * np.linspace(-1, 1, POINTS)
-        motion, label = Motion(y=place, u=speed), "offset y to starboard of the centreline [m]"
+        motion, label = nw.Motion(y=place, u=speed), "offset y to starboard of the centreline [m]"
     else:
         place = np.linspace(-DRIFT, DRIFT, POINTS)
-        motion = Motion(u=speed * np.cos(np.radians(place)), v=-speed * np.sin(np.radians(place)))
+        motion = nw.Motion(u=speed * np.cos(np.radians(place)), v=-speed * np.sin(np.radians(place)))
         label = "drift angle, bow to starboard of the way [deg]"
     parts = [("all terms", model.forces(motion), BLUE, "-")]
     parts += [("bank's part", model.bank_forces(motion), ORANGE, "--")] * model.has_bank
@@ -130,8 +125,8 @@ def model_figure(model: Model) -> Figure:
     return figure
 
 
-def eigenvalues_figure(result: Jacobian | LinearSystem) -> Figure:
-    poles = result.poles() if isinstance(result, Jacobian) else result.eigenvalues()
+def eigenvalues_figure(result: nw.Jacobian | LinearSystem) -> Figure:
+    poles = result.poles() if isinstance(result, nw.Jacobian) else result.eigenvalues()
     figure, ((panel,),) = panels(1, 1, 3.2)
     panel.plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
     panel.axvline(0, color=BLACK, linewidth=0.7)
@@ -139,12 +134,12 @@ def eigenvalues_figure(result: Jacobian | LinearSystem) -> Figure:
     return figure
 
 
-def precision_figure(result: Plan | InformationForecast | SteadyPlan) -> Figure:
+def precision_figure(result: nw.Plan | nw.InformationForecast | nw.SteadyPlan) -> Figure:
     counts: Sequence[int]
-    if isinstance(result, Plan):
+    if isinstance(result, nw.Plan):
         counts, what, usual = range(1, len(result.runs) + 1), "runs", result.usual
         words, names = "as many about the centreline", result.targets
-    elif isinstance(result, SteadyPlan):
+    elif isinstance(result, nw.SteadyPlan):
         if not result.legs:
             raise InputError("a plan without legs has no picture; its summary gives the reason")
         counts, what, usual = range(len(result.legs) + 1), "legs", {name: std[0] for name, std in result.std.items()}

@@ -5,22 +5,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+import narrows as nw
 from narrows.base.errors import check_choice
-from narrows.captive.tests import CaptiveTests
-from narrows.identification.fit import Fit
-from narrows.identification.fitting import Comparison, Explanation
-from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.quantities.names import FORCES
 from narrows.report.colours import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE
 from narrows.report.style import FORCE_LABELS, drawing_on, panels
-from narrows.ship.particulars import Configuration
 
 ROWS = "row of the table [1]; dashed: test boundaries"
 
 
-def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
+def forces_figure(fit: nw.Fit, tests: nw.CaptiveTests) -> Figure:
     """Draw forces measured and estimated, with the bank's part (the paper's fig. result)."""
     figure, axes = panels(3, 1, 6.2, "", sharex=True)
     values = {**tests.configuration.values(), **tests.columns}
@@ -40,7 +36,7 @@ def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     return figure
 
 
-def residuals_figure(fit: Fit, given: Axes | None = None, force: str | None = None) -> Figure:
+def residuals_figure(fit: nw.Fit, given: Axes | None = None, force: str | None = None) -> Figure:
     forces = [name for name, terms in fit.terms.forces.items() if terms]
     if force is not None:
         check_choice("force", force, forces)
@@ -58,7 +54,7 @@ def residuals_figure(fit: Fit, given: Axes | None = None, force: str | None = No
     return figure
 
 
-def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
+def left_out_figure(fit: nw.Fit, tests: nw.CaptiveTests) -> Figure:
     values = {**tests.configuration.values(), **tests.columns}
     without = fit.problem.fits(fit.motions.without)
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
@@ -76,12 +72,12 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     return figure
 
 
-def intervals_figure(fit: Fit) -> Figure:
+def intervals_figure(fit: nw.Fit) -> Figure:
     """Draw each coefficient's 95 % interval relative to its value; with an open marker if poorly identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
     figure, ((panel,),) = panels(1, 1, 0.9 + 0.22 * len(names), "x")
     for i, name in enumerate(names):
-        value, sure = fit.coefficients[name], fit.verdicts[name].status == IDENTIFIED
+        value, sure = fit.coefficients[name], fit.verdicts[name] == "identified"
         colour = BLUE if sure else ORANGE
         ends = np.array(fit.intervals[name]) / abs(value)
         panel.plot(ends, [i, i], color=colour, linestyle="-" if sure else "--")
@@ -94,7 +90,7 @@ def intervals_figure(fit: Fit) -> Figure:
 
 
 # Figures of delta, the pressure difference between the sides near banks.
-def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
+def delta_figure(configuration: nw.Configuration, covered: Range | None) -> Figure:
     """Draw delta and its taper across the canal (the paper's fig. Delta_fun)."""
     # covered [m]
     width, beam = configuration.canal.width, configuration.ship.beam
@@ -110,7 +106,7 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     return figure
 
 
-def delta_surface_figure(configuration: Configuration) -> Figure:
+def delta_surface_figure(configuration: nw.Configuration) -> Figure:
     """Draw delta over offset and heading (the paper's fig. delta_surf), as contours."""
     width, beam = configuration.canal.width, configuration.ship.beam
     y, psi = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2, np.linspace(-89, 89, 241)
@@ -125,7 +121,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     return figure
 
 
-def correlation_figure(fit: Fit) -> Figure:
+def correlation_figure(fit: nw.Fit) -> Figure:
     """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
     overall = fit.diagnostics.overall
     figure, axes = panels(1, len(overall), 3.3, "", width_ratios=[max(4, len(d.names)) for d in overall.values()])
@@ -146,8 +142,8 @@ def correlation_figure(fit: Fit) -> Figure:
     return figure
 
 
-def comparison_figure(result: Comparison | Explanation) -> Figure:
-    compared = result.comparison if isinstance(result, Explanation) else result
+def comparison_figure(result: nw.Comparison | nw.Explanation) -> Figure:
+    compared = result.comparison if isinstance(result, nw.Explanation) else result
     rows, names = compared.rows(), [*compared.fits]
     figure, axes = panels(1, len(compared.forces), 0.9 + 0.22 * len(names), sharey=True)
     looks = (
@@ -177,7 +173,7 @@ def comparison_figure(result: Comparison | Explanation) -> Figure:
 TIME_SERIES_MAX_TESTS = 4
 
 
-def motions_figure(tests: CaptiveTests) -> Figure:
+def motions_figure(tests: nw.CaptiveTests) -> Figure:
     """Draw path, heading, forces and moment of each test (the paper's fig. traj_forces)."""
     figure, axes = panels(5, 1, 7.6, sharex=True)
     timed = "t" in tests.columns and len(tests.names) <= TIME_SERIES_MAX_TESTS
@@ -203,5 +199,5 @@ def motions_figure(tests: CaptiveTests) -> Figure:
     return figure
 
 
-def boundaries(panel: Axes, tests: CaptiveTests) -> None:
+def boundaries(panel: Axes, tests: nw.CaptiveTests) -> None:
     panel.vlines(tests.starts[1:-1], 0, 1, GREY, "--", transform=panel.get_xaxis_transform(), linewidth=0.4)

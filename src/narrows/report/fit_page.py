@@ -2,32 +2,31 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 
+import narrows as nw
 from narrows.base.files import write_whole
 from narrows.base.results import with_error
-from narrows.captive.tests import CaptiveTests
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.fit import Fit
-from narrows.identification.fitting import Explanation
-from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES
-from narrows.model.term import Term
 from narrows.quantities.names import FORCES, name_of
 from narrows.report import fit_figures as draw
 from narrows.report.printed_tables import apart_rows, coefficient_row, heading, kkt_sentence, surest_first
-from narrows.report.style import svg
+from narrows.report.style import FONT
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
 
 def write_report(
-    fits: Mapping[str, Fit], path: str | Path, title: str = "narrows", answers: Mapping[str, BankSummary] | None = None
-) -> None:
+    fits: Mapping[str, nw.Fit], path: str | Path, title: str = "narrows",
+    answers: Mapping[str, BankSummary] | None = None,
+) -> None:  # fmt: skip
     """Write one HTML file with all results of some fits, their main results first.
 
     Raises an InputError if the file cannot be written.
@@ -57,10 +56,14 @@ def write_page(path: str | Path, template: str, **values: Any) -> None:
 
 
 def figure(picture: Figure, caption: str) -> dict[str, str]:
-    return {"svg": svg(picture), "caption": caption}
+    memory = StringIO()
+    with rc_context(FONT):
+        picture.savefig(memory, format="svg", dpi=100, metadata={"Date": None})
+    text = memory.getvalue()
+    return {"svg": text[text.index("<svg") :], "caption": caption}
 
 
-def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
+def _section(label: str, fit: nw.Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
     (first, pictures), bounded = _pictures(fit), [term.name for term in fit.terms.terms if term.bound[0] == 0]
     return {
         "id": f"fit-{number}",
@@ -77,7 +80,7 @@ def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = Non
                                  + [" = ".join(tie) for tie in fit.terms.ties]) or "none",
         "coefficients": [coefficient_row(fit, name) for name in surest_first(fit)],
         "first": first,
-        "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
+        "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict != "identified"],
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
                       for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": fit.shapley(),
@@ -86,13 +89,13 @@ def _section(label: str, fit: Fit, number: int, answer: BankSummary | None = Non
     }  # fmt: skip
 
 
-def _pictures(fit: Fit) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
+def _pictures(fit: nw.Fit) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
     """Return the first picture of a page, if there are rows and other motions, and the others."""
     pictures = [
         figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
     ]
-    if not isinstance(fit.tests, CaptiveTests):
+    if not isinstance(fit.tests, nw.CaptiveTests):
         return [], pictures
     measured = figure(draw.forces_figure(fit, fit.tests), "Forces measured and estimated, and the bank's part.")
     motions = figure(draw.motions_figure(fit.tests), "The tests: motions and forces.")
@@ -101,12 +104,12 @@ def _pictures(fit: Fit) -> tuple[list[dict[str, str]], list[dict[str, str]]]:
     return first, [measured, *pictures, motions]
 
 
-def _term_text(term: Term) -> str:
+def _term_text(term: nw.Term) -> str:
     name = name_of(term.regressor)
     return f"{term.name} {name}" if name.endswith(")") else f"{term.name} {name}({', '.join(term.inputs)})"
 
 
-def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
+def _comparison(fits: Mapping[str, nw.Fit]) -> dict[str, Any] | None:
     ship = list(fits.values())[-1].tests.configuration.ship
     fits = {label: fit for label, fit in fits.items() if fit.tests.configuration.ship == ship}
     if len(fits) < 2:
@@ -120,7 +123,7 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
     return {"labels": [heading(fit, label).partition(", ")[2] for label, fit in fits.items()], "rows": rows}
 
 
-def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
+def write_explanation(explanation: nw.Explanation, path: str | Path, title: str) -> None:
     compared, caption = explanation.comparison, "Errors of tables of terms, of the fit and on left-out tests."
     write_page(
         path, "explanation.html.j2", title=title, explanation=explanation, coefficients=apart_rows(explanation),
@@ -139,7 +142,7 @@ def _said(name: str, coefficient: dict[str, Any]) -> str:
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
     fit, tests, configuration = reproduced.fit, reproduced.fit.tests, reproduced.truth.configuration
-    assert isinstance(tests, CaptiveTests)
+    assert isinstance(tests, nw.CaptiveTests)
     made = {
         "tests": (draw.motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),
         "delta": (draw.delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
@@ -162,7 +165,7 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
     )  # fmt: skip
 
 
-def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
+def _coefficient(fit: nw.Fit, name: str, printed: float) -> dict[str, str]:
     low, high = fit.intervals[name]
     why = "" if low <= printed <= high else "outside the 95 % interval, as one in twenty is"
     if not fit.verdicts[name].determined:

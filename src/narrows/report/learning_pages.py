@@ -9,14 +9,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import narrows as nw
 from narrows.base.results import interval, with_error
-from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficients import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
-from narrows.logbook.learning.log_fit import LogFit
-from narrows.logbook.steady_legs import SteadyFit, SteadyPlan
 from narrows.logbook.steady_readings import SHARED
-from narrows.logbook.transits import InformationForecast
-from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.colours import BLACK, BLUE, GREY, ORANGE
 from narrows.report.fit_page import figure, write_page
@@ -28,7 +24,7 @@ DEGREES = 180 / np.pi
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", DEGREES), ("r", "yaw rate [deg/s]", DEGREES))
 
 
-def write_log_report(fit: LogFit, path: str | Path) -> None:
+def write_log_report(fit: nw.LogFit, path: str | Path) -> None:
     caption = "Coefficients after the log, in standard deviations before it, with 95 % intervals."
     # Coefficients whose records are compared: those of the bank, or those with the best information.
     known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
@@ -55,7 +51,7 @@ def write_log_report(fit: LogFit, path: str | Path) -> None:
 MOST_ROWS = 24
 
 
-def log_fit_figure(fit: LogFit) -> Figure:
+def log_fit_figure(fit: nw.LogFit) -> Figure:
     known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.std_ratio)[:MOST_ROWS]
     figure, ((panel,),) = panels(1, 1, max(2.8, 0.9 + 0.2 * len(known)))
     panel.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
@@ -72,7 +68,7 @@ def log_fit_figure(fit: LogFit) -> Figure:
 STRAYED = 0.25
 
 
-def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
+def write_pilot_page(plan: nw.SteadyPlan, path: str | Path) -> None:
     ship = plan.model.configuration.ship
     run = KNOT * max(leg["speed"] for leg in plan.legs) * (plan.settling + plan.conditions.leg_time)
     legs = [
@@ -92,7 +88,7 @@ def _turned(low: float, high: float, digits: int = 0) -> str:
     return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))
 
 
-def print_information(information: InformationForecast) -> None:
+def print_information(information: nw.InformationForecast) -> None:
     print_result(information, frame_table(information.to_dataframe()))
 
 
@@ -107,7 +103,7 @@ def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[dict[st
     ]  # fmt: skip
 
 
-def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
+def write_steady_report(fit: nw.SteadyFit, path: str | Path) -> None:
     caption = "Steady rudder by offset, before and after the legs; the bank's coefficients with 95 % intervals."
     found, name = fit.to_dict(), fit.prior.configuration.ship.name or "A ship"
     write_page(
@@ -124,7 +120,7 @@ OFFSETS, BESIDE = 21, 1.5
 SAMPLES, BAND = 200, (0.05, 0.5, 0.95)
 
 
-def steady_figure(fit: SteadyFit) -> Figure:
+def steady_figure(fit: nw.SteadyFit) -> Figure:
     banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
     figure, axes = panels(1, 1 + len(banks), 3.6, "y", width_ratios=(2.2, *(1.0 for _ in banks)))
     _draw_rudder(axes[0, 0], fit)
@@ -138,7 +134,7 @@ def steady_figure(fit: SteadyFit) -> Figure:
     return figure
 
 
-def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
+def _draw_rudder(axes: Axes, fit: nw.SteadyFit) -> None:
     read, canal, ship = fit.readings.values, fit.prior.configuration.canal, fit.prior.configuration.ship
     far = min(BESIDE * float(np.abs(read["y"]).max()), 0.98 * (canal.width - ship.beam) / 2)
     y, speed, limit = np.linspace(-far, far, OFFSETS), float(read["u"].mean()), fit.prior.configuration.gear.limit_deg
@@ -159,16 +155,16 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
     axes.grid(alpha=0.3)
 
 
-def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
+def rudder_band(model: nw.Model, y: np.ndarray, u: float) -> np.ndarray:
     """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (3, offsets)."""
-    rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
+    rudder = nw.steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
     angles = rudder.transpose("place", "sample").to_numpy()
     # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
     beyond = np.where(y < 0, -np.inf, np.inf)[:, None]
     return np.asarray(np.quantile(np.where(np.isnan(angles), beyond, angles), BAND, axis=1, method="higher"))
 
 
-def print_learned(fit: LogFit | SteadyFit, verdict: str) -> None:
+def print_learned(fit: nw.LogFit | nw.SteadyFit, verdict: str) -> None:
     columns = {
         "": "{name}", "before": "{before}", "after": "{after}", "95 % interval": "{interval}", "unit": "{unit}",
         verdict: "{verdict}",
@@ -176,7 +172,7 @@ def print_learned(fit: LogFit | SteadyFit, verdict: str) -> None:
     print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", verdict)))
 
 
-def print_steady_plan(plan: SteadyPlan) -> None:
+def print_steady_plan(plan: nw.SteadyPlan) -> None:
     columns = {
         "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
         "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",

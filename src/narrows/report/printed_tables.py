@@ -4,31 +4,21 @@ import math
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from string import Formatter
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
+import narrows as nw
 from narrows.base.errors import InputError
 from narrows.base.results import interval, readable
 from narrows.quantities.names import KNOT
 
 if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
+    from rich.console import Console
+    from rich.table import Table
 
-    from narrows.control.linear_system import LinearSystem
     from narrows.identification.bank_summary import BankSummary
-    from narrows.identification.fit import Fit
-    from narrows.identification.fitting import Comparison, Explanation
-    from narrows.identification.plan import Plan
-    from narrows.model.derived_models import Scaled
-    from narrows.model.model import Model
-    from narrows.model.water import Squat
-    from narrows.simulation.manoeuvring_trials import Trials
-    from narrows.waterway import Waterway
-
-Row = TypeVar("Row")
 
 # Least width of the console [characters]: a narrower terminal wraps lines rather than losing digits.
 WIDTH = 110
@@ -36,7 +26,9 @@ WIDTH = 110
 MOST_ROWS, MOST_NOTES = 9, 6
 
 
-def console_of(least: int = 0) -> Console:
+def console_of(least: int = 0) -> "Console":
+    from rich.console import Console
+
     console = Console(highlight=False, markup=False)
     if least:
         console.width = max(console.width, least)
@@ -60,11 +52,13 @@ CELLS = _CellFormatter()
 def table_of(
     columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
-) -> Table:  # fmt: skip
+) -> "Table":  # fmt: skip
     """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned.
 
     ``columns`` maps heads to formats, such as ``{y:+.1f}``; numbers that are not finite become ``-``.
     """
+    from rich.table import Table
+
     table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", **options)
     for head in columns:
         table.add_column(head, justify="left" if head in left else "right", no_wrap=no_wrap)
@@ -74,7 +68,7 @@ def table_of(
     return table
 
 
-def print_result(result: Any, *tables: Table | None) -> None:
+def print_result(result: Any, *tables: "Table | None") -> None:
     console = console_of(WIDTH)
     console.print(result.summary())
     for table in filter(None, tables):
@@ -82,7 +76,7 @@ def print_result(result: Any, *tables: Table | None) -> None:
     print_notes(console, result.notes)
 
 
-def print_notes(console: Console, notes: Iterable[str]) -> None:
+def print_notes(console: "Console", notes: Iterable[str]) -> None:
     every = list(dict.fromkeys(notes))
     shown = every if is_verbose() else every[:MOST_NOTES]
     for note in shown:
@@ -96,7 +90,7 @@ def is_verbose() -> bool:
     return "--verbose" in sys.argv
 
 
-def thinned(rows: Sequence[Row]) -> list[Row]:
+def thinned(rows: Sequence[Any]) -> list[Any]:
     """Return a few equally spaced rows, with the first and the last if possible; all with --verbose."""
     if is_verbose() or len(rows) <= MOST_ROWS:
         return list(rows)
@@ -104,7 +98,7 @@ def thinned(rows: Sequence[Row]) -> list[Row]:
     return list(rows[(len(rows) - 1) % step // 2 :: step])
 
 
-def frame_table(frame: "pd.DataFrame", **options: Any) -> Table:
+def frame_table(frame: "pd.DataFrame", **options: Any) -> "Table":
     """Return the table of a data frame: numbers to four digits, words on the left, no column without a value."""
     frame = frame.dropna(axis=1, how="all")
     numbers = {*frame.select_dtypes("number").columns}
@@ -113,7 +107,7 @@ def frame_table(frame: "pd.DataFrame", **options: Any) -> Table:
     return table_of(columns, rows, left={*map(str, frame.columns)} - numbers, no_wrap=True, **options)
 
 
-def print_plan(plan: "Plan") -> None:
+def print_plan(plan: "nw.Plan") -> None:
     frame = plan.to_dataframe().drop(columns=["name", "duration [s]"])
     frame.insert(0, "run", range(1, len(frame) + 1))
     print_result(plan, frame_table(frame))
@@ -121,14 +115,14 @@ def print_plan(plan: "Plan") -> None:
     console_of(WIDTH).print(words)
 
 
-def print_scaled(scaled: "Scaled") -> None:
+def print_scaled(scaled: "nw.Scaled") -> None:
     frame = scaled.to_dataframe().rename(columns={"old": "was", "new": "is"})
     frame["bis [1]"] = scaled.to_dict()["bis"]
     _print_coefficients(scaled.model, frame)
     print_result(scaled)
 
 
-def print_estimate(model: "Model") -> None:
+def print_estimate(model: "nw.Model") -> None:
     console, depth = console_of(), model.configuration.canal.depth
     deep = ("No depth is given: the estimate is for deep water; add --depth for a canal.",) if depth is None else ()
     for note in (*model.notes, *deep):
@@ -136,7 +130,7 @@ def print_estimate(model: "Model") -> None:
     _print_coefficients(model)
 
 
-def print_model(model: "Model") -> None:
+def print_model(model: "nw.Model") -> None:
     print_result(model)
     _print_coefficients(model)
 
@@ -145,7 +139,7 @@ def print_model(model: "Model") -> None:
 MOST_TERMS = 20
 
 
-def _print_coefficients(model: "Model", frame: "pd.DataFrame | None" = None) -> None:
+def _print_coefficients(model: "nw.Model", frame: "pd.DataFrame | None" = None) -> None:
     """Print a table of coefficients: all, or of a long table those of the banks."""
     console, banks = console_of(), [term.name for term in model.terms.terms if term.from_bank]
     frame = model.to_dataframe()[["value", "std", "unit"]] if frame is None else frame
@@ -175,7 +169,7 @@ CIRCLE_COLUMNS = {
 ZIGZAG_COLUMNS = {"zigzag [deg]": "{order}", "overshoots [deg]": "{overshoots_deg:.1f}"}
 
 
-def print_manoeuvres(trials: "Trials") -> None:
+def print_manoeuvres(trials: "nw.Trials") -> None:
     console, results = console_of(), trials.to_dict()
     console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
     for columns, measured in ((CIRCLE_COLUMNS, results["turning"]), (ZIGZAG_COLUMNS, results["zigzags"])):
@@ -183,7 +177,7 @@ def print_manoeuvres(trials: "Trials") -> None:
     print_notes(console, trials.notes)
 
 
-def print_squat(squat: "Squat") -> None:
+def print_squat(squat: "nw.Squat") -> None:
     console, columns = console_of(), {"speed [m/s]": "{u:.2f}", "[kn]": "{kn:.1f}", "sinkage [m]": "{sinkage:.2f}"}
     rows = squat.to_dataframe().assign(kn=lambda table: table["u"] / KNOT).to_dict("records")
     console.print(squat.summary())
@@ -199,7 +193,7 @@ NEGLIGIBLE = 0.002
 STATION_UNITS = {"at": "m", "heading": "deg", "starboard": "m", "port": "m", "width": "m", "depth": "m"}
 
 
-def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
+def waterway_summary(waterway: "nw.Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
     length, words = waterway.line.length, waterway.summary()
     s = np.linspace(0, length, SEARCHED)
@@ -238,7 +232,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
             "notes": [*notes, *more]}  # fmt: skip
 
 
-def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
+def print_waterway(waterway: "nw.Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
@@ -258,11 +252,11 @@ COLOURS = {"identified": "", "zero": "", "imprecise": "yellow", "at bound": "yel
 
 
 def print_fit(
-    fit: "Fit", label: str = "", console: Console | None = None, answer: "BankSummary | None" = None, table: bool = True
-) -> None:
+    fit: "nw.Fit", label: str = "", console: "Console | None" = None, answer: "BankSummary | None" = None,
+    table: bool = True,
+) -> None:  # fmt: skip
     """Print a fit, its main result first; with --verbose all results."""
     from narrows.identification.bank_summary import summarise_bank
-    from narrows.identification.verdict import IDENTIFIED
 
     console = console or console_of()
     console.print(f"\n{heading(fit, label)}", style="bold")
@@ -283,7 +277,7 @@ def print_fit(
         console.print(sentence)
     console.print("Not determined by these tests", style="bold")
     for name, verdict in fit.verdicts.items():
-        if verdict.status != IDENTIFIED:
+        if verdict != "identified":
             console.print(f"- {verdict.sentence(name)}")
     rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
     console.print(table_of(SCORE_COLUMNS, rows, title="Fit, and on each distinct motion left out"))
@@ -293,11 +287,9 @@ def print_fit(
         console.print(note, style="dim")
 
 
-def surest_first(fit: "Fit") -> list[str]:
+def surest_first(fit: "nw.Fit") -> list[str]:
     """Return the coefficients: identified, zero, others, undetermined; each group by relative uncertainty."""
-    from narrows.identification.verdict import IDENTIFIED, ZERO
-
-    order = {IDENTIFIED: 0, ZERO: 1}
+    order = {"identified": 0, "zero": 1}
 
     def rank(name: str) -> tuple[int, float]:
         verdict, (low, high) = fit.verdicts[name], fit.intervals[name]
@@ -307,19 +299,19 @@ def surest_first(fit: "Fit") -> list[str]:
     return sorted(fit.terms.names, key=rank)
 
 
-def heading(fit: "Fit", label: str) -> str:
+def heading(fit: "nw.Fit", label: str) -> str:
     configuration = fit.tests.configuration
     depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
     return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
 
 
-def kkt_sentence(fit: "Fit") -> str:
+def kkt_sentence(fit: "nw.Fit") -> str:
     kkt = fit.solution.kkt
     verb = "hold" if kkt.satisfied else "FAIL"
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {max(kkt):.1e}, relative."
 
 
-def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
+def coefficient_row(fit: "nw.Fit", name: str) -> dict[str, str]:
     """Return a coefficient with its uncertainty in words, and the class of its verdict on a page."""
     verdict, std = fit.verdicts[name], fit.std[name]
     known = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
@@ -337,7 +329,7 @@ SCORE_COLUMNS = {
 }  # fmt: skip
 
 
-def apart_rows(explanation: "Explanation") -> list[dict[str, Any]]:
+def apart_rows(explanation: "nw.Explanation") -> list[dict[str, Any]]:
     own = {name: {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
            for name in explanation.fit.terms.names}  # fmt: skip
     return [coefficient_row(explanation.fit, name) | row for name, row in own.items()]
@@ -349,7 +341,7 @@ APART = {
 }  # fmt: skip
 
 
-def print_explanation(explanation: "Explanation", label: str = "") -> None:
+def print_explanation(explanation: "nw.Explanation", label: str = "") -> None:
     console = console_of(WIDTH)
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
@@ -359,14 +351,14 @@ def print_explanation(explanation: "Explanation", label: str = "") -> None:
     print_comparison(explanation.comparison)
 
 
-def print_comparison(comparison: "Comparison") -> None:
+def print_comparison(comparison: "nw.Comparison") -> None:
     console, title = console_of(WIDTH), "Tables of terms by their error (RMSE) on left-out tests"
     console.print(frame_table(comparison.to_dataframe().reset_index(), title=title))
     for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")
 
 
-def print_linear(linear: "LinearSystem") -> None:
+def print_linear(linear: "nw.control.LinearSystem") -> None:
     console = console_of(WIDTH)
     console.print(linear.summary())
     modes = {"growth [1/s]": "growth", "frequency [rad/s]": "angular_frequency", "doubling [s]": "doubling_s",

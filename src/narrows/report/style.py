@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from io import BytesIO, StringIO
+from io import BytesIO
 from textwrap import wrap
 from typing import Any, cast
 
@@ -97,11 +97,3 @@ def notes_below(figure: Figure, notes: Iterable[str]) -> None:
     lines = [line for note in notes for line in wrap(note, CHARACTERS)]
     if lines:
         figure.supxlabel("\n".join(lines), fontsize=7, x=0.01, ha="left")
-
-
-def svg(figure: Figure) -> str:
-    memory = StringIO()
-    with rc_context(FONT):
-        figure.savefig(memory, format="svg", dpi=100, metadata={"Date": None})
-    text = memory.getvalue()
-    return text[text.index("<svg") :]

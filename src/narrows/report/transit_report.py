@@ -6,7 +6,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -78,8 +77,7 @@ def transit_figure(transit: WatchedTransit) -> Figure:
 
 
 def transit_track_figure(transit: WatchedTransit) -> Figure:
-    figure, axes = panels(1, 1, 2.6)
-    panel: Axes = axes[0, 0]
+    figure, ((panel,),) = panels(1, 1, 2.6)
     columns, ship = transit.columns, transit.ship
     x, y, reach = columns["x"], columns["y"], half_swept(ship, columns["psi"])
     for part, level in _levels(columns["level"]):

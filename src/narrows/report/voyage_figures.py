@@ -15,18 +15,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
+import narrows as nw
 from narrows.base.errors import InputError, shown
 from narrows.base.files import form_of, write_whole
-from narrows.model.data_range import DataRange
-from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.colours import BLUE, DASHES, GREEN, GREY, ORANGE, PURPLE
 from narrows.report.style import FONT, GIVEN, WIDTH, headed, notes_below, panels, titled
 from narrows.simulation.ensemble import grounding_probability, map_summary
-from narrows.simulation.manoeuvring_trials import Trials, Turning, ZigzagTest
-from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
-from narrows.waterway.waterway import Section, Waterway
+from narrows.waterway.waterway import Section
 
 PANEL_GREY = "#5A5A5A"
 # Width of a track, height of a panel below it [in].
@@ -44,7 +41,7 @@ SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oran
 BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
 
 
-def voyage_figure(voyage: Voyage) -> Figure:
+def voyage_figure(voyage: nw.Voyage) -> Figure:
     with rc_context(FONT):
         if GIVEN.get() is not None:
             figure, ((above,),) = panels(1, 1, WIDTH, "")
@@ -78,7 +75,7 @@ def voyage_figure(voyage: Voyage) -> Figure:
         return figure
 
 
-def _draw_path(axes: Axes, voyage: Voyage) -> None:
+def _draw_path(axes: Axes, voyage: nw.Voyage) -> None:
     if voyage.waterway is None:
         paths_on(axes, [voyage])
         return
@@ -91,7 +88,7 @@ def _draw_path(axes: Axes, voyage: Voyage) -> None:
     _hulls_on(axes, voyage, on_map=True)
 
 
-def _banks_on_map(axes: Axes, waterway: Waterway, s: np.ndarray, section: Section) -> None:
+def _banks_on_map(axes: Axes, waterway: nw.Waterway, s: np.ndarray, section: Section) -> None:
     for sign in (-1, 1):
         bank, _ = waterway.to_map(s, section.middle + sign * section.width / 2)
         axes.plot(*bank.T, color=PANEL_GREY, linewidth=2)
@@ -99,7 +96,7 @@ def _banks_on_map(axes: Axes, waterway: Waterway, s: np.ndarray, section: Sectio
     axes.set(aspect="equal", xlabel=f"east{origin} [m]", ylabel="north [m]")
 
 
-def waterway_figure(waterway: Waterway) -> Figure:
+def waterway_figure(waterway: nw.Waterway) -> Figure:
     figure, axes = panels(1, 1, 4.0, grid="")
     s = np.linspace(0.0, waterway.line.length, BANK_POINTS)
     _banks_on_map(axes[0, 0], waterway, s, waterway.section(s))
@@ -113,7 +110,7 @@ def paths_figure(reproduced: Reproduction) -> Figure:
     return figure
 
 
-def paths_on(axes: Axes, voyages: Sequence[Voyage]) -> None:
+def paths_on(axes: Axes, voyages: Sequence[nw.Voyage]) -> None:
     length = voyages[0].configuration.ship.length
     far, near = max(float(v.x.max()) for v in voyages) + length, min(float(v.x.min()) for v in voyages) - length
     half = banks_on(axes, near, far, voyages[0])
@@ -129,7 +126,7 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage]) -> None:
 ALONG = "along the canal x [m], starboard down"
 
 
-def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
+def banks_on(axes: Axes, near: float, far: float, voyage: nw.Voyage) -> float:
     """Draw the banks along the line of a voyage, and return the distance of the farther one."""
     ends, middle, width = np.array([near, far]), np.zeros(2), np.full(2, voyage.configuration.canal.width)
     if voyage.waterway is not None:
@@ -142,11 +139,11 @@ def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
     return float(np.abs(banks).max())
 
 
-def _colour(voyage: Voyage) -> str:
+def _colour(voyage: nw.Voyage) -> str:
     return {"starboard": ORANGE, "port": BLUE}.get(voyage.outcome.side or "", PANEL_GREY)
 
 
-def hull(voyage: Voyage, i: int, colour: str, alpha: float = 0.7, on_map: bool = False) -> Polygon:
+def hull(voyage: nw.Voyage, i: int, colour: str, alpha: float = 0.7, on_map: bool = False) -> Polygon:
     """Outline the ship at one row of a voyage, by the points that meet a bank."""
     ship, place, psi = voyage.configuration.ship, np.array([voyage.x[i], voyage.y[i]]), voyage.psi[i]
     # Points forward and starboard of midship [m].
@@ -158,7 +155,7 @@ def hull(voyage: Voyage, i: int, colour: str, alpha: float = 0.7, on_map: bool =
     return Polygon(points @ turn + place, facecolor=colour, edgecolor="black", linewidth=0.6, alpha=alpha)
 
 
-def _hulls_on(axes: Axes, voyage: Voyage, on_map: bool = False) -> None:
+def _hulls_on(axes: Axes, voyage: nw.Voyage, on_map: bool = False) -> None:
     last = len(voyage.x) - 1
     for i in range(0, last, max(1, last // 6)):
         axes.add_patch(hull(voyage, i, PANEL_GREY, 0.25, on_map))
@@ -190,7 +187,7 @@ LABELS = {
 
 @rc_context(FONT)
 def map_figure(
-    voyages: xr.Dataset, model: Model | None, within: float | None = None, waterway: Waterway | None = None,
+    voyages: xr.Dataset, model: nw.Model | None, within: float | None = None, waterway: nw.Waterway | None = None,
     start: Mapping[str, Any] | None = None,
 ) -> Figure:  # fmt: skip
     """Draw a map of voyages: distance to grounding over one or two dimensions, or its probability.
@@ -247,8 +244,8 @@ def map_figure(
     return figure
 
 
-def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> list[Any]:
-    known, nothing = model.data_range if model and model.has_bank else DataRange(), (np.inf, np.inf)
+def _mark_tested(axes: Axes, quantity: xr.DataArray, model: nw.Model | None) -> list[Any]:
+    known, nothing = model.data_range if model and model.has_bank else nw.DataRange(), (np.inf, np.inf)
     tested = {"y": (-known.abs_y[1], known.abs_y[1]) if known.abs_y else nothing, "u": known.speed or nothing}
     marked = False
     for name, (low, high) in tested.items():
@@ -306,7 +303,7 @@ LENGTHS = 3.0  # Visible distance ahead and astern [ship lengths]
 
 
 @rc_context(FONT)
-def animation_of(voyage: Voyage, path: str | Path | None = None, seconds: float = 8.0) -> FuncAnimation:
+def animation_of(voyage: nw.Voyage, path: str | Path | None = None, seconds: float = 8.0) -> FuncAnimation:
     """Make an animation of a voyage in its canal, and write it if a path is given."""
     if not 0 < seconds <= LONGEST:
         raise InputError(f"seconds = {shown(seconds)}: give the length of a film, up to {LONGEST:g} s")
@@ -344,16 +341,16 @@ LEGEND: dict[str, Any] = {
 }  # fmt: skip
 
 
-def manoeuvres_figure(trials: Trials) -> Figure:
+def manoeuvres_figure(trials: nw.Trials) -> Figure:
     figure, axes = panels(1, 2, 3.6)
     _circles_on(axes[0, 0], {f"rudder {order} deg": circle for order, circle in trials.turning.items()})
     _zigzags_on(axes[0, 1], {order: test for order, test in trials.zigzags.items() if order.startswith("+")})
     return figure
 
 
-def manoeuvre_figure(result: Turning | ZigzagTest) -> Figure:
-    figure, ((axes,),) = panels(1, 1, 4.2 if isinstance(result, Turning) else 3.2)
-    if isinstance(result, Turning):
+def manoeuvre_figure(result: nw.Turning | nw.ZigzagTest) -> Figure:
+    figure, ((axes,),) = panels(1, 1, 4.2 if isinstance(result, nw.Turning) else 3.2)
+    if isinstance(result, nw.Turning):
         _circles_on(axes, {result.summary().partition(":")[0].lower(): result})
     else:
         _zigzags_on(axes, {"": result})
@@ -361,7 +358,7 @@ def manoeuvre_figure(result: Turning | ZigzagTest) -> Figure:
     return figure
 
 
-def _circles_on(axes: Axes, circles: Mapping[str, Turning]) -> None:
+def _circles_on(axes: Axes, circles: Mapping[str, nw.Turning]) -> None:
     for (label, circle), colour, dash in zip(circles.items(), COLOURS, DASHES, strict=False):
         voyage, length = circle.voyage, circle.voyage.configuration.ship.length
         axes.plot(voyage.y / length, voyage.x / length, color=colour, ls=dash, label=label)
@@ -369,7 +366,7 @@ def _circles_on(axes: Axes, circles: Mapping[str, Turning]) -> None:
     axes.legend(**LEGEND)
 
 
-def _zigzags_on(axes: Axes, tests: Mapping[str, ZigzagTest]) -> None:
+def _zigzags_on(axes: Axes, tests: Mapping[str, nw.ZigzagTest]) -> None:
     for (order, test), colour in zip(tests.items(), COLOURS, strict=False):
         voyage = test.voyage
         time = voyage.t * voyage.u[0] / voyage.configuration.ship.length

@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from narrows.base.aliases import accept_aliases
@@ -20,9 +21,6 @@ from narrows.simulation.initial_state import POSE, check_irrelevant, check_posit
 from narrows.simulation.inputs import START, finite_numbers
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @accept_aliases
@@ -97,10 +95,8 @@ class Jacobian(BaseResult):
         names = {name: getattr(self, name) for name in ("state", "states", "inputs", "coefficients", "A", "B", "G")}
         return {**names, "poles": poles, "summary": self.summary(), "notes": list(self.notes)}
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> pd.DataFrame:
         """Return A and B side by side: one row per rate, one column per state or input."""
-        import pandas as pd
-
         rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
         return pd.DataFrame(np.hstack([self.A, self.B]), index=rows, columns=[*self.states, *self.inputs])
 

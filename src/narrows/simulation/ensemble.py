@@ -24,18 +24,17 @@ from narrows.simulation.inputs import Contact, check_steps, check_waterway, chec
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
 from narrows.simulation.ship import Points, SimulatedShip, steering_of
+from narrows.waterway.waterway import Waterway
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from narrows.waterway.waterway import Waterway
 
 
 @accept_aliases
 def ensemble(
     model: Model, *, duration: float | None = None, dt: float | None = None, samples: int = 0, seed: int = 0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: Contact | Points = "corners", waterway: "Waterway | None" = None,
+    contact: Contact | Points = "corners", waterway: Waterway | None = None,
     controller: Any = None, hold: float | None = None, workers: int | None = None, progress: bool = False,
     bottom: bool = True, **vary: Any,
 ) -> "Fleet":  # fmt: skip
@@ -101,7 +100,7 @@ def ensemble(
     return fleet
 
 
-def _helm(model: Model, hold: float, controller: Any, u: Any, waterway: "Waterway | None") -> Any:
+def _helm(model: Model, hold: float, controller: Any, u: Any, waterway: Waterway | None) -> Any:
     """Return the default helm for each speed ``u`` as one law, its numbers over the dimension of the speeds."""
     if controller is not None:
         raise InputError("hold is the line of the default helm; leave it or the controller out")

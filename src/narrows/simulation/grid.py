@@ -70,10 +70,8 @@ class Grid:
             if not value.dims:
                 flat[name] = float(value)
                 continue
-            cut = value.isel({self.axis: block}) if self.axis in value.dims else value
-            wide = cut.transpose(*(own for own in self.sizes if own in cut.dims)).to_numpy()
-            spread = tuple(n if own in cut.dims else 1 for own, n in zip(self.sizes, shape, strict=True))
-            flat[name] = np.ascontiguousarray(np.broadcast_to(wide.reshape(spread), shape)).ravel()
+            cut = value.variable.isel({self.axis: block}, missing_dims="ignore")
+            flat[name] = cut.set_dims(dict(zip(self.sizes, shape, strict=True))).to_numpy().ravel()
         return flat, shape
 
     def coordinates(self) -> dict[str, xr.DataArray]:

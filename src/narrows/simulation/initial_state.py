@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,10 +24,8 @@ from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import PARAMETER, Channel, SimulatedShip, Steering
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
-
+from narrows.waterway.bank_clearance import exact_clearance
+from narrows.waterway.waterway import Waterway
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
@@ -49,7 +47,6 @@ class VoyageIntegrator:
     channel: Channel  # The water
     near: float  # Distance at which a diverging motion counts as contact [m]
     order: Order | None = None  # Order of a controller of Python
-    _step_inputs: list[float] = field(init=False)
     _asked: float = field(init=False, default=math.nan)
 
     def __post_init__(self) -> None:
@@ -107,8 +104,6 @@ class VoyageIntegrator:
         return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
     def _exact_clearance(self, state: State) -> tuple[float, float]:
-        from narrows.waterway.bank_clearance import exact_clearance  # Its package is slow to import
-
         x, y, cosine, sine = state[:4]
         track, outline = self._shapes
         return exact_clearance(track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, outline)
@@ -117,15 +112,11 @@ class VoyageIntegrator:
         clearance, side = self._exact_clearance(state)
         return min(clearance, *self._ends(state)), side
 
-    def sane(self, state: State, clearance: float) -> bool:
-        u, v, r = state[4:7]
-        fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        return event.is_sane(u, v, r, clearance, self.near, self.choices.leaves, fast, turning)
-
     def integrate(self, rows: list[Row], stop: float, dt: float) -> int:
         """Integrate to a time, or to an earlier end of the voyage; return the outcome of ``event``."""
         begun, state, *_ = rows.pop()
         control, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
+        most = self.inputs["most_speed"], self.inputs["most_rate"]
         single.schedule(control, dt, stop - begun)
         left, done, before = control[event.COUNT], 0, self.clearance(state, exact=False)[0]
         while control[event.COUNT] > 0:
@@ -134,7 +125,8 @@ class VoyageIntegrator:
             t, left, done = begun + control[event.CLOCK] + done * length, left - 1, done + 1
             self._ask(t, state)
             after, clearance, _ = self.stepped(state, length)
-            row, sane = Row(t, state, length, not within), self.sane(after, clearance)
+            row = Row(t, state, length, not within)
+            sane = event.is_sane(after[4], after[5], after[6], clearance, self.near, leaves, *most)
             if self._exact and sane and (clearance <= 0 or trying):
                 clearance = self._from_banks(after)[0]
             clear = sane and event.clearance_left(clearance, before, leaves) > 0
@@ -192,15 +184,14 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
     for name in positions:
         if name not in known:
             stem = name.removesuffix("_deg")
-            in_degrees = stem != name and stem in {*POSE, *known, "rudder"}
-            if in_degrees:
+            if stem != name and stem in {*POSE, *known, "rudder"}:
                 raise InputError(f"there is no argument {name!r}; write {stem}=np.radians(...)")
             hint = did_you_mean(name, known) if known else "; it has none"
             raise InputError(f"there is no argument {name!r}, and no actuator of the model has this name{hint}")
 
 
 def initial_state(
-    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
+    ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: Waterway | None, pushed: bool
 ) -> tuple[VoyageIntegrator, tuple[float, ...]]:
     """Return the integrator with every input of its lines, and its initial state."""
     if waterway is not None and not 0 <= (x := numbers["x"]) < waterway.line.length:

@@ -39,11 +39,7 @@ def segments_of(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Segm
 
 
 def table_of(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
-    try:
-        values = np.asarray(schedule)
-        values = values.astype(float) if values.dtype.kind in "iufO" else np.array(math.nan)
-    except (TypeError, ValueError, OverflowError):
-        values = np.array(math.nan)
+    values = real_numbers(schedule)
     if values.ndim == 0:
         values = np.array([[0.0, float(values)]])
     if values.ndim != 2 or values.shape[1] != 2 or not (np.abs(values) < LARGEST).all():
@@ -53,16 +49,22 @@ def table_of(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:
     return values[:, 0], values[:, 1]
 
 
+def real_numbers(value: Any) -> np.ndarray:
+    """Return an array of floats; NaN for words, truth values and whatever else is no number."""
+    try:
+        values = np.asarray(value)
+        return values.astype(float) if values.dtype.kind in "iufO" else np.array(math.nan)
+    except (TypeError, ValueError, OverflowError):
+        return np.array(math.nan)
+
+
 def finite_numbers(**values: object) -> dict[str, float]:
     return {name: _finite(name, value) for name, value in values.items()}
 
 
 def _finite(name: str, value: Any) -> float:
-    try:
-        # Words and truth values would turn into floats too.
-        number = math.nan if np.asarray(value).dtype.kind not in "iufO" or np.ndim(value) else float(value)
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
+    numbers = real_numbers(value)
+    number = math.nan if numbers.ndim else float(numbers)
     if not math.isfinite(number):
         state = name == "x" and isinstance(value, list | tuple | np.ndarray)
         hint = "; x is the place along the canal [m], and a state is given by name: y=0.5, u=1.0, psi=0.0" * state
@@ -101,12 +103,9 @@ def check_options(surge: object, surge_inertia: object, coriolis: object, contac
     if isinstance(contact, str):
         check_choice("contact", contact, get_args(Contact))
         return
-    try:
-        points = np.asarray(contact)
-        finite = points.dtype.kind in "iufO" and bool((np.abs(points.astype(float)) < MOST_EXTENT).all())
-    except (TypeError, ValueError, OverflowError):
-        points, finite = np.empty(0), False
-    if points.ndim != 2 or points.shape[1] != 2 or not 3 <= len(points) <= MOST_POINTS or not finite:
+    points = real_numbers(contact)
+    known = points.ndim == 2 and points.shape[1] == 2 and (np.abs(points) < MOST_EXTENT).all()
+    if not known or not 3 <= len(points) <= MOST_POINTS:
         outline = f"an outline as 3 to {MOST_POINTS} points (forward, starboard) in metres"
         raise InputError(f"contact = {shown(contact)}: give corners, midship, none, or {outline}")
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -26,10 +26,7 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import PARAMETER, Channel, SimulatedShip, Steering, steering_of
 from narrows.waterway.centreline import check_along_only
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
-
+from narrows.waterway.waterway import Waterway
 
 PUSH_END = "push_end"
 
@@ -60,9 +57,6 @@ class PreparedRun:
     # (2,) Tolerance of a contact's location, and distance at which a diverging motion counts as contact [m]
     limits: np.ndarray
     workers: int  # Threads
-    end: np.ndarray = field(init=False)
-    time: np.ndarray = field(init=False)
-    codes: np.ndarray = field(init=False)
     lane_steps: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
@@ -119,7 +113,7 @@ class KernelRun:
     duration: Any  # Longest duration [s]
     dt: Any  # Step [s]
     steering: Steering | None = None  # Control law; its numbers that vary are among the values of a run
-    waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
+    waterway: Waterway | None = None  # Waterway instead of the model's own canal
     bend: Channel | None = None  # Bend of constant curvature instead of either
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
@@ -230,7 +224,7 @@ class ShipLanes:
     """States of one ship, one per lane, each with its own forces, bank strength and coefficients."""
 
     def __init__(
-        self, ship: SimulatedShip, states: Sequence[str], lanes: int, waterway: "Waterway | None" = None,
+        self, ship: SimulatedShip, states: Sequence[str], lanes: int, waterway: Waterway | None = None,
         coefficients: np.ndarray | None = None, *, pushed: bool = False, endless: bool = False,
     ) -> None:  # fmt: skip
         if waterway is not None:

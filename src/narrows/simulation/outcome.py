@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import reduce
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +14,7 @@ from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extra
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY, Number
 from narrows.simulation.settings import MOST_FROUDE
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Waterway
 
 
 class Code(IntEnum):
@@ -142,7 +140,7 @@ def froude_notes(u: np.ndarray, length: float) -> tuple[str, ...]:
     return (f"{doubt}: is it the speed of the ship at full scale, or in knots?",) if froude > MOST_FROUDE else ()
 
 
-def water_notes(waterway: "Waterway | None", depth: float | None) -> tuple[str, ...]:
+def water_notes(waterway: Waterway | None, depth: float | None) -> tuple[str, ...]:
     """Notes on a passage: where the waterway lies, and the depth of the model if the waterway has none."""
     if waterway is None:
         return () if depth else ("The depth of the canal is not known, so squat and the bottom are not counted.",)

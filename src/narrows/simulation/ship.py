@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -28,10 +28,8 @@ from narrows.simulation.controllers import ControlLaw, Controller, ExternalOrder
 from narrows.simulation.inputs import START, Contact, check_flag, check_options
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
-
-if TYPE_CHECKING:
-    from narrows.waterway.centreline import Centreline
-    from narrows.waterway.waterway import Waterway, WaterwayTable
+from narrows.waterway.centreline import Centreline
+from narrows.waterway.waterway import STEPS_A_BEAM, Waterway, WaterwayTable, least_walls, tabulate
 
 
 @dataclass(frozen=True)
@@ -88,9 +86,7 @@ def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
     return known if known.ndim else float(known), np.atleast_1d(choking < touching)
 
 
-def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
-    from narrows.waterway.waterway import STEPS_A_BEAM
-
+def along_waterway(waterway: Waterway, model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
     ship = model.configuration.ship
     waterway.check_fits(ship)
     outline = points_of(ship, contact)
@@ -108,7 +104,7 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, b
 
 
 def _from_cells(
-    table: "WaterwayTable", cells: np.ndarray, outline: Any, model: Model, contact: str | Outline, current: float,
+    table: WaterwayTable, cells: np.ndarray, outline: Any, model: Model, contact: str | Outline, current: float,
     chokes: np.ndarray,
 ) -> Channel:  # fmt: skip
     inputs = {
@@ -120,14 +116,12 @@ def _from_cells(
 
 
 # Cached tables for as long as their centreline exists, since successive voyages use the same.
-_TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray]]]" = WeakKeyDictionary()
+_TABLES: WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray, Any]]] = WeakKeyDictionary()
 
 
 def _tabulated(
-    waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
-) -> "tuple[WaterwayTable, np.ndarray]":
-    from narrows.waterway.waterway import least_walls, tabulate
-
+    waterway: Waterway, draft: float, step: float, outline: tuple[tuple[float, float], ...]
+) -> tuple[WaterwayTable, np.ndarray]:
     known = _TABLES.setdefault(waterway.line, {})
     parts = waterway.starboard, waterway.port, waterway.depths
     field = (np.asarray(one, float).tobytes() for one in (waterway.current_across, waterway.current_shear))
@@ -136,19 +130,14 @@ def _tabulated(
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
         columns = (*free_motion.COLUMNS, *free_motion.FIELD * waterway.has_current_field)
-        cells = _cells(table, near, columns)
         # The cache holds the waterway's parts, so that their memory addresses are not reused.
-        known[key] = (table, cells)
-        known[key, "parts"] = parts  # type: ignore[assignment]
-    return known[key]
+        known[key] = table, _cells(table, near, columns), parts
+    return known[key][:2]
 
 
-def _cells(table: "WaterwayTable", near: np.ndarray, names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
+def _cells(table: WaterwayTable, near: np.ndarray, names: tuple[str, ...] = free_motion.COLUMNS) -> np.ndarray:
     columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
-    cells = np.empty((len(table.s) - 1, 2 * len(names)))
-    for index, name in enumerate(names):
-        cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
-    return cells
+    return np.column_stack([part for name in names for part in (columns[name][:-1], np.diff(columns[name]))])
 
 
 def bend_channel(
@@ -156,8 +145,6 @@ def bend_channel(
 ) -> Channel:
     """Return the model's canal in a bend of constant curvature and a given length [m]."""
     # walls: where a keel meets the banks, to port and to starboard of the middle [m]; curvature to starboard [1/m]
-    from narrows.waterway.waterway import STEPS_A_BEAM, WaterwayTable, least_walls
-
     ship, canal = model.configuration.ship, model.configuration.canal
     s = np.linspace(0.0, length, int(np.ceil(length * STEPS_A_BEAM / ship.beam)) + 1)
     half = canal.width / 2
@@ -186,20 +173,19 @@ def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
     a, b = ship.length / 2, ship.beam / 2
     if isinstance(contact, str):
         return [(a, b), (-a, b), (-a, -b), (a, -b)]
-    from scipy.spatial import ConvexHull
+    from scipy.spatial import ConvexHull, QhullError
 
     points = np.array(contact)
-    return [(float(forward), float(starboard)) for forward, starboard in points[ConvexHull(points).vertices]]
+    try:
+        corners = points[ConvexHull(points).vertices]
+    except QhullError:
+        raise InputError("contact: an outline's points lie on one line; give the outline of a hull") from None
+    return [(float(forward), float(starboard)) for forward, starboard in corners]
 
 
 def check_outline(ship: Ship, contact: Outline, has_bank: bool) -> None:
     """Raise if an outline lies inside the beam, where the suction becomes infinite before the hull touches."""
-    from scipy.spatial import QhullError
-
-    try:
-        points = np.array(points_of(ship, contact))
-    except QhullError:
-        raise InputError("contact: an outline's points lie on one line; give the outline of a hull") from None
+    points = np.array(points_of(ship, contact))
     reach = points[:, 1].max(), -points[:, 1].min()
     if has_bank and min(reach) < ship.beam / 2 * (1 - 1e-9):
         why = "the bank's suction is infinite before it touches; make it as wide as the beam"
@@ -278,7 +264,7 @@ class SimulatedShip:
         found = system.columns.rates(x, y, np.cos(psi), np.sin(psi), u, v, r, *inputs)
         return dict(zip(STATE, found, strict=True)) | {"psi": r}
 
-    def channel(self, waterway: "Waterway | None", values: Mapping[str, Number]) -> Channel:
+    def channel(self, waterway: Waterway | None, values: Mapping[str, Number]) -> Channel:
         if waterway is None:
             return straight_channel(values, self.shape, self.bottom)
         return along_waterway(waterway, self.model, self.shape, self.bottom)

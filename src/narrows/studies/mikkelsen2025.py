@@ -3,22 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
+import narrows as nw
 from narrows.base.results import BaseResult
-from narrows.captive.synthetic import twin
-from narrows.empirical.fleet import published
-from narrows.identification.fit import Fit
-from narrows.identification.fitting import identify
-from narrows.model.model import Model
-from narrows.simulation.derivative import stability
-from narrows.simulation.ensemble import ensemble
-from narrows.simulation.voyage import Voyage, simulate
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 SHARES = (
     *(0.0, 0.0, 1.0),
@@ -26,7 +17,7 @@ SHARES = (
     *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
 )
 # Table (significance_test) of the paper: surge, sway and yaw.
-PRINTED_SHARES = dict(zip(published("mikkelsen2025_dtc").terms.names, SHARES, strict=True))
+PRINTED_SHARES = dict(zip(nw.published("mikkelsen2025_dtc").terms.names, SHARES, strict=True))
 # Start [m] beyond which the paper's ship grounds on the near bank, "approximately".
 PRINTED_SWITCH = 2.0
 # The paper's constant surge force [N]; and an assumed mass in surge [kg], which the paper lacks: it is near that of
@@ -44,15 +35,13 @@ SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
 class Reproduction(BaseResult):
     """The paper's coefficients as the truth: identification from tests of its kinds, and voyages of its ship."""
 
-    truth: Model  # The model as printed
-    fit: Fit  # Fit to synthetic tests of the paper's kinds
-    voyages: dict[float, Voyage]  # Voyages by start to starboard [m], contact by the hull's corners
+    truth: nw.Model  # The model as printed
+    fit: nw.Fit  # Fit to synthetic tests of the paper's kinds
+    voyages: dict[float, nw.Voyage]  # Voyages by start to starboard [m], contact by the hull's corners
     readings: dict[str, Any]  # Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> pd.DataFrame:
         """Return the coefficients as a table: one row each, as printed and as identified again."""
-        import pandas as pd
-
         return pd.DataFrame([self._coefficient(name) for name in self.truth.terms.names]).set_index("name")
 
     @property
@@ -73,8 +62,9 @@ class Reproduction(BaseResult):
     @cached_property
     def modes(self) -> dict[str, np.ndarray]:
         """Eigenvalues at 1 m/s on the centreline [1/s]."""
-        found = {"with the bank": stability(self.truth, u=1.0), "without": stability(self.truth, bank=False, u=1.0)}
-        return {name: modes["eigenvalue"].to_numpy().ravel() for name, modes in found.items()}
+        banks = {"with the bank": True, "without": False}
+        found = {name: nw.stability(self.truth, bank, u=1.0)["eigenvalue"] for name, bank in banks.items()}
+        return {name: eigenvalues.to_numpy().ravel() for name, eigenvalues in found.items()}
 
     @property
     def stiffness(self) -> float:
@@ -113,21 +103,21 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
     """Run the paper's tests on its own coefficients, identify them, and simulate its voyages."""
     # Mikkelsen, Enevoldsen, Jensen, Jeppesen, Galeazzi, Papageorgiou (2025), Closed form modelling and identification
     # of banking effects in confined waters.
-    truth = published("mikkelsen2025_dtc")
+    truth = nw.published("mikkelsen2025_dtc")
     progress("synthetic tests and their identification")
-    fit = identify(twin(truth), balance="rows")
+    fit = nw.identify(nw.twin(truth), balance="rows")
     progress("voyages and grounding distances")
     # As the paper: 1 m/s, a constant surge force, free speed (with an assumed mass in surge)
     common: dict[str, Any] = {"duration": DURATION, "surge": "free", "surge_inertia": SURGE_MASS, "X": SURGE_FORCE}
-    voyages = {y: simulate(truth, y, 1.0, **common) for y in SHOWN_STARTS}
+    voyages = {y: nw.simulate(truth, y, 1.0, **common) for y in SHOWN_STARTS}
     ship = replace(truth.configuration.ship, mass=MASS)
     heavy = replace(truth, configuration=replace(truth.configuration, ship=ship))
     common["y"] = STARTS
     readings = {
-        "hull corners": ensemble(truth, **common),
-        "midship clearance": ensemble(truth, contact="midship", **common),
-        "hull corners, with Coriolis": ensemble(heavy, coriolis=True, **common),
-        "midship clearance, with Coriolis": ensemble(heavy, coriolis=True, contact="midship", **common),
+        "hull corners": nw.ensemble(truth, **common),
+        "midship clearance": nw.ensemble(truth, contact="midship", **common),
+        "hull corners, with Coriolis": nw.ensemble(heavy, coriolis=True, **common),
+        "midship clearance, with Coriolis": nw.ensemble(heavy, coriolis=True, contact="midship", **common),
     }
     return Reproduction(truth, fit, voyages, readings)
 
