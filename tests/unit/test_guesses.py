@@ -290,7 +290,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.passing": (lambda: nw.passing, "forces between ships are not modelled"),  # type: ignore[attr-defined]
     "nw.load_voyage(path)": (lambda: nw.load_voyage, r"open_dataset\(path\)"),  # type: ignore[attr-defined]
     "voyage.forces": (lambda: voyage().forces, r"model.forces\(y=voyage.y"),  # type: ignore[attr-defined]
-    "tests.filter(cutoff=1.0)": (lambda: TESTS().filter(cutoff=1.0), "scipy.signal filters"),
     "nw.plan(criterion=)": (lambda: nw.plan(DTC, criterion="D"), "minimise the sum of the variances"),  # type: ignore[attr-defined]
     "model.plot(hue=)": (lambda: DTC.plot(hue="x"), "columns of its table"),
     "nw.froude_depth": (lambda: nw.froude_depth, "write choke_speed, or u / np.sqrt"),  # type: ignore[attr-defined]
@@ -667,7 +666,6 @@ def test_numbers_of_the_command_line_have_units(cli: Callable[..., tuple[int, st
         "monitor full.toml --file a.nmea": "--replay FILE",
         "monitor full.toml --udp 10110": "--listen udp://:10110",
         "monitor full.toml --serial /dev/ttyS0": "--listen udp://:10110, tcp://HOST:PORT",
-        "linear full.toml --y 20": "nw.linearize(model, y=, u=)",
         "export simulink full.toml": "no kind 'simulink'; choose bank-force", "estimate --ship panamax": "and --type",
         "identify a.csv --bank-form distance": r"--terms paper+distance",
     }.items():  # fmt: skip

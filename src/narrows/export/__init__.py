@@ -65,7 +65,7 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     model : Model
         The ship in its canal.
     path : str or Path
-        Path with a suffix of an export.
+        Path with a suffix of an export; or a kind, such as ``c``, whose text is returned.
     kind : str
         Its kind; only ``bank-force`` cannot be found from the suffix.
     **options : Any
@@ -83,6 +83,8 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     """
     if str(path) in EXPORTERS and "." in kind:  # As in export(model, "c", "dtc.h")
         path, kind = kind, str(path)
+    if str(path) in LANGUAGES and not kind:
+        return to_language(model, str(path), **options)
     if kind and kind not in EXPORTERS:
         raise InputError(f"there is no export {kind!r}; give the model, the path and one of: {', '.join(EXPORTERS)}")
     exporter = EXPORTERS[kind] if kind else BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]
