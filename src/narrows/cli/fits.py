@@ -33,19 +33,20 @@ class FittingOptions:
 @cli.verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html", apart=("stream report",))
 def identify(
     table: cli.Table,
-    ship: cli.ShipFile,
     fitting: FittingOptions,
     selection: cli.SelectionOptions,
     delivery: cli.ModelDelivery,
+    ship: cli.ShipFile = None,
     stream: Annotated[bool, "Read block by block: for tables larger than memory."] = False,
 ) -> None:
     """Identify coefficients from captive tests, with their verdicts.
 
     A table that holds several conditions (water depths) gives one model each.
     """
+    table, source = _files(table, ship)
     read, mapping = nw.stream_captive if stream else nw.read_captive, selection.mapping_of(table)
     try:
-        tests = read(table, ship, selection.where, mapping=mapping)
+        tests = read(table, source, selection.where, mapping=mapping)
         with stage("fitting"):
             fits = nw.identify_conditions(tests, selection.condition, **vars(fitting))
     except InputError as error:
@@ -53,7 +54,14 @@ def identify(
     publish(fits, table.stem, delivery)
 
 
-def _drafted(table: Path, ship: Path) -> str:
+def _files(table: Path, ship: Any) -> tuple[Path, Any]:
+    """Return the files of a table and its ship, or of the package's tests of that name."""
+    from narrows.captive.measured import TABLES, measured_files
+
+    return measured_files(str(table)) if str(table) in TABLES and not table.exists() else (table, ship)
+
+
+def _drafted(table: Path, ship: Path | None) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
     from narrows.captive.columns import draft_columns, layout_of
     from narrows.readers.frames import read_frame
@@ -129,7 +137,7 @@ def compare(
     table: cli.Table,
     selection: cli.SelectionOptions,
     delivery: cli.TableDelivery,
-    ship: Annotated[Path | None, f"{cli.SHIP_FILE} Not needed for the package's tests (kcs)."] = None,
+    ship: cli.ShipFile = None,
     terms: Annotated[cli.Words, "Tables of terms, a,b,c; all unless given."] = "",
 ) -> None:
     """Rank tables of terms by their errors on left-out tests."""
@@ -137,11 +145,9 @@ def compare(
 
 
 def _tests(table: Path, ship: Any, selection: cli.SelectionOptions, terms: "nw.TermTable") -> Any:
-    from narrows.captive.measured import TABLES, measured_files
     from narrows.identification.fitting import the_condition
 
-    if str(table) in TABLES and not table.exists():
-        table, ship = measured_files(str(table))
+    table, ship = _files(table, ship)
     read = nw.read_captive(table, ship, selection.where, terms.actuators, selection.mapping_of(table))
     return the_condition(read, selection.condition)
 

@@ -196,7 +196,7 @@ def output_of(path: Path, label: str, conditions: int) -> Path:
 Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel.")]
 
 SHIP_FILE = "Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."
-ShipFile = Annotated[Path, SHIP_FILE]
+ShipFile = Annotated[Path | None, f"{SHIP_FILE} Not needed for the package's tests (kcs)."]
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[Path | None, "GeoJSON of a waterway instead of the canal; x, y, psi are relative to its line."]

@@ -31,6 +31,15 @@ def _attribute(name: str, meaning: str) -> Any:
     return property(lambda envelope: envelope.data.attrs.get(name, ""), doc=meaning)
 
 
+class SpeedsByOffset(xr.DataArray):  # type: ignore[misc]
+    """Speeds that are also called with an offset, for the one interpolated there."""
+
+    __slots__ = ()
+
+    def __call__(self, y: float | None = None) -> xr.DataArray:
+        return self if y is None else self.interp(y=y)
+
+
 @dataclass(frozen=True, repr=False)
 class SafeEnvelope(BaseResult):
     """The safe area of a ship, with its assumptions."""
@@ -116,6 +125,11 @@ class SafeEnvelope(BaseResult):
         """
         speeds = self._speeds(self.safe(), 1)
         return speeds if y is None else speeds.interp(y=y)
+
+    @property
+    def max_speed(self) -> "SpeedsByOffset":
+        """The highest safe speed at each offset [m/s], also as ``max_speed(y=40)``: see ``highest_speed``."""
+        return SpeedsByOffset(self.highest_speed())
 
     def largest_offset(self, u: float | None = None) -> xr.DataArray:
         """Return the largest offset safe to both sides at each speed [m], NaN if there is none; or at ``u`` [m/s]."""
