@@ -14,9 +14,11 @@ from narrows.codegen.cache import compiled_loops
 from narrows.control import settings
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import (
+    COLUMNS,
     HELD,
     CourseAhead,
     SteadyTrack,
+    WaterAhead,
     steady_track,
     water_ahead,
 )
@@ -213,6 +215,22 @@ def test_a_course_keeps_the_hull_off_both_banks_and_leads_to_the_middle() -> Non
     change = [float(pushed[name] - course[name]) for name in ("psi", "v", "rudder")]
     np.testing.assert_allclose(moved[[1, 2, 4]], change, rtol=1e-3)
     np.testing.assert_allclose(moved[[0, 3]], 0.0)
+
+
+@pytest.mark.parametrize(("radius", "y", "held"), [(8.3, -0.4, 5), (8.5, -0.4, 8), (10.0, 1.5, -6)])
+def test_without_a_steady_course_a_way_has_that_of_the_next_one_inward(radius: float, y: float, held: int) -> None:
+    """Bends to starboard, in which the rudder holds the ship on the outermost 5 and 8 of nine ways, or the inner 6."""
+    model = ship()
+    straight = np.array([7.0, 0.0, np.nan, 0.0, 3.5, 3.5, 0.0])
+    bend = np.where(np.arange(7) == COLUMNS.index("curvature"), 1.0 / radius, straight)
+    water = WaterAhead(np.stack([straight, bend]), model.configuration.ship.length, section=())
+    made = steady_track(SimulatedShip(model), water, y, SPEED, 0.5, {})
+    there = np.isin(np.arange(9), np.arange(9)[:held] if held > 0 else np.arange(9)[held:])
+    np.testing.assert_array_equal(made.known.T, [[True] * 9, there])
+    np.testing.assert_allclose(made.states[..., 0], np.linspace(y, 0.0, 9)[:, None] * np.ones(2), atol=1e-12)
+    assert (made.states[there, 1, 1:] != 0.0).all()
+    inward = made.states[held, 1, 1:] if held < 0 else 0.0  # From the middle itself there is no way inward
+    np.testing.assert_array_equal(made.states[~there, 1, 1:] - inward, 0.0)
 
 
 def test_a_course_is_found_again_at_another_speed() -> None:

@@ -275,6 +275,17 @@ def test_what_it_cannot_do_is_one_sentence_with_a_remedy(monkeypatch: pytest.Mon
         helm()
 
 
+def test_an_offset_that_takes_more_rudder_than_the_gear_turns_is_refused() -> None:
+    """Of 25 degrees: 22 at 2.0 m and 32 at 2.2 m; at 2.3 m no angle holds it. A little nearer, 25 are enough."""
+    rudders = nw.steady_course(ship(), y=[2.0, 2.2, 2.3], u=SPEED)["rudder"].to_numpy()
+    np.testing.assert_allclose(np.degrees(rudders), [22.2, 31.7, math.nan], atol=0.05)
+    assert ship().configuration.gear.limit_deg == 25.0
+    PredictiveHelm(ship(), 2.0, SPEED).begin()
+    for y in (2.2, 2.3):
+        with pytest.raises(nw.InputError, match=f"no rudder up to 25 degrees holds this ship at y = {y} m"):
+            PredictiveHelm(ship(), y, SPEED).begin()
+
+
 def test_a_rudder_that_turns_nothing_is_refused() -> None:
     with pytest.raises(nw.InputError, match=r"holds this ship|has no effect"):
         PredictiveHelm(ship().with_coefficients(c_helm=0.0, b_helm=0.0), 0.0, SPEED).begin()

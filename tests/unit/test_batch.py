@@ -55,6 +55,15 @@ def test_a_direction_without_data_stays_at_rest() -> None:
     assert not any(one.at_bound[2] for one in each)
 
 
+def test_a_direction_with_hardly_any_data_is_damped_as_by_tikhonov() -> None:
+    """Of an eigenvalue d, the share d / (d + 1e-13) of the solution is left (Tikhonov and Arsenin, 1977)."""
+    data = np.array([0.0, 1e-15, 1e-13, 4e-13, 1e-8])
+    h, g = np.stack([np.ones_like(data), data], axis=1)[:, None] * np.eye(2), np.stack([np.ones_like(data), data], 1)
+    found = solve_many(h, g, np.full(2, -np.inf), np.full(2, np.inf))
+    np.testing.assert_allclose(found[:, 0], 1.0, rtol=1e-12)
+    np.testing.assert_allclose(found[:, 1], [0.0, 1 / 101, 0.5, 0.8, 1.0], rtol=1e-4)
+
+
 def test_more_problems_than_are_solved_at_once() -> None:
     """z = g within the bounds, of 5 000 problems with a unit matrix."""
     g = np.random.default_rng(0).normal(size=(5000, 2))
@@ -62,7 +71,7 @@ def test_more_problems_than_are_solved_at_once() -> None:
 
 
 def test_what_cycles_goes_to_the_exact_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("narrows.identification.least_squares.ROUNDS", 1)
+    monkeypatch.setattr("narrows.identification.least_squares.MOST_ROUNDS", 1)
     h, g, lower, upper = problems(4)
     exact = np.array([solve(own, right, lower, upper).z for own, right in zip(h, g, strict=True)])
     np.testing.assert_allclose(solve_many(h, g, lower, upper), exact, rtol=1e-6, atol=1e-8)

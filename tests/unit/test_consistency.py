@@ -72,6 +72,14 @@ def test_a_fault_is_told_to_the_estimator_alone() -> None:
     np.testing.assert_array_equal(found.error[:, before], tried().error[:, before])
 
 
+def test_a_gyro_that_counts_whole_turns_has_the_same_errors() -> None:
+    short = {"y": 0.4, "u": 1.0, "twins": 2, "duration": 4.0}
+    once = consistency(steered(), ALL, **short)
+    turned = consistency(steered(), ALL, **short, fault=lambda t, told: {**told, "gyro": told["gyro"] + 2 * np.pi})
+    np.testing.assert_allclose(turned.error, once.error, atol=1e-9)
+    np.testing.assert_allclose(turned.nees, once.nees, rtol=1e-6)
+
+
 OTHERS: dict[str, Any] = {
     "y": 0.2, "u": 0.9, "twins": 11, "duration": 30.0, "drawn": True, "seed": 5, "x": 2.0, "excitation": 0.0,
     "controller": nw.ConstantRudder(0.0), "fault": lambda t, readings: {},

@@ -313,6 +313,10 @@ def test_a_start_takes_the_antenna_to_midship() -> None:
     start = started(one, x=5.0, psi=0.1).update(0.0)
     assert start["x"] == pytest.approx(5.0 - math.cos(0.1) + 0.2 * math.sin(0.1))
     assert start["y"] == pytest.approx(0.4 - math.sin(0.1) - 0.2 * math.cos(0.1))
+    # An error of the heading turns midship about the antenna.
+    covariance = start.covariance / Gyro().noise ** 2
+    ahead, side = math.cos(0.1) - 0.2 * math.sin(0.1), math.sin(0.1) + 0.2 * math.cos(0.1)
+    assert (covariance[0, 2], covariance[1, 2]) == pytest.approx((side, -ahead), rel=1e-5)
 
 
 def test_the_bias_of_a_compass_is_found_by_course_and_speed() -> None:

@@ -121,8 +121,7 @@ class Estimator(BaseSummary):
             raise InputError(f"t = {t} is no time; give seconds, then the readings")
         given = {**(readings or {}), **named}
         measured, positions, notes = checked_readings(given, self.filter.sensors, self.filter.actuators)
-        gap = t - self._run.last.t if self._run else 0.0
-        if abs(gap) > settings.LONGEST_GAP:
+        if self._run and abs(gap := t - self._run.last.t) > settings.LONGEST_GAP:
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew(t)

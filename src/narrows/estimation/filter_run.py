@@ -191,7 +191,7 @@ class Start:
         for _ in range(6):  # In a bend each round leaves a small share of the error
             mean = mean.copy()
             mean[:2] += place - measured(mean)
-        small = 1e-4  # [rad]
+        small = 1e-6  # [rad]
         turned = mean.copy()
         turned[2] += small
         root[:2] -= np.outer((measured(turned) - measured(mean)) / small, root[2])

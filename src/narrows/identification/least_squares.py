@@ -15,7 +15,7 @@ KKT_TOLERANCE = 1e-8  # Largest relative residual of an optimum [1]
 RANK_TOLERANCE = 1e-6
 # Ridge on the unit diagonal: sets directions without data to 0; a tenth of the least eigenvalue that counts as data.
 RIDGE = 0.1 * RANK_TOLERANCE**2
-ROUNDS = 25  # Most updates of the active sets; a problem that still changes is solved by itself
+MOST_ROUNDS = 25  # Most updates of the active sets; a problem that still changes is solved by itself
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarra
     # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
     h, z, left = np.broadcast_to(h, (len(g), *h.shape[-2:])), np.empty_like(g), np.arange(len(g))
     active = np.zeros(g.shape, np.int8)  # -1 at the lower bound, +1 at the upper
-    for _ in range(ROUNDS if len(g) else 0):
+    for _ in range(MOST_ROUNDS if len(g) else 0):
         z[left] = best = _solve_with_active(h[left], g[left], active, lower, upper)
         multiplier = g[left] - np.einsum("nij,nj->ni", h[left], best)
         below = np.where(active < 0, multiplier < 0, best < lower)

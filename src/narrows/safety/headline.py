@@ -54,12 +54,10 @@ def _at_places(data: xr.Dataset, block: Block) -> str:
 
 def _nowhere(data: xr.Dataset, share: float) -> tuple[str, str]:
     """Return where most cases are held, and the limit there."""
-    nowhere, held = "No offset and speed is safe with 95 % probability", data["held"].where(data["clear"], -1.0)
-    held = held.transpose("y", "u").to_numpy()
-    y, u = map(int, np.unravel_index(held.argmax(), held.shape))
-    if held[y, u] < 0:
+    nowhere = "No offset and speed is safe with 95 % probability"
+    if not data["clear"].any():
         return f"{nowhere}.", f"The limit is {_cause_at_length(data.isel(y=len(data['y']) // 2, u=0), share)}."
-    best = data.isel(y=y, u=u)
+    best = data.isel(data["held"].where(data["clear"]).argmax(["y", "u"]))
     # Rounded down, so that a share below a limit does not read as the limit.
     most = math.floor(round(1000 * float(best["held"]), 6)) / 10
     place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"

@@ -224,7 +224,8 @@ class PredictiveHelm(BaseSummary):
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
         if self.waterway is None:
-            held = course.track.states[0, 0, RUDDER] if course.track.known[0, 0] else math.nan
+            track, place = course.track, course.narrowest
+            held = track.states[0, place, RUDDER] if track.known[0, place] else math.nan
             check_holds(self.model, held, self.y, self.u)
         margins = course.margins(horizon.intervals, self.confidence)
         planner = Planner(ship, self.waterway, water, horizon, margins, weights, positions)
