@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.base.errors import InputError, shown
+from narrows.waterway.bank_clearance import GAUSS
 
 if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is used, not where a command starts
     from scipy.interpolate import PPoly
@@ -261,3 +262,14 @@ def profile_at(profile: Profile, s: np.ndarray | float) -> np.ndarray:
 def extent(values: np.ndarray) -> str:
     """Return the lowest and highest, once if they are equal."""
     return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (float(np.nanmin(values)), float(np.nanmax(values)))))
+
+
+def nodes_of(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return nodes and headings of a line of linear curvature between nodes: three-point Gauss-Legendre per cell."""
+    heading = np.concatenate([[0.0], np.cumsum((curvature[1:] + curvature[:-1]) / 2 * step)])
+    part = step * np.array([1 - GAUSS, 1, 1 + GAUSS]) / 2
+    change = np.diff(curvature)[:, None] / step
+    turned = heading[:-1, None] + part * (curvature[:-1, None] + part * change / 2)
+    weights = step * np.array([5, 8, 5]) / 18
+    x, y = (np.concatenate([[0.0], np.cumsum(f(turned) @ weights)]) for f in (np.cos, np.sin))
+    return x, y, heading

@@ -11,9 +11,8 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, shown
 from narrows.base.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
-from narrows.waterway.bank_clearance import GAUSS
 from narrows.waterway.banks import Bank
-from narrows.waterway.centreline import Centreline, Profile, checked_profile, extent, profile_at
+from narrows.waterway.centreline import Centreline, Profile, checked_profile, extent, nodes_of, profile_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -340,7 +339,7 @@ class WaterwayTable:
         # The origin and forward axis are those of the first node. The first row and the last are far beyond the ends,
         # where line and banks are straight.
         far = self.s[-1] + 100 * max(self.keel_starboard.max(), self.keel_port.max())
-        x, y, heading = _integrated(self.curvature, self.step)
+        x, y, heading = nodes_of(self.curvature, self.step)
         c, si = np.cos(heading), np.sin(heading)
         line = np.stack([x, y, c, si, self.curvature], axis=1)
         beyond = line[[0, -1]]
@@ -398,14 +397,3 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
         s, *waterway._walls(s, depth), *waterway._walls(s, depth, draft), depth, waterway.line.curvature(s),
         waterway.flow(s), profile_at(waterway.current_across, s), profile_at(waterway.current_shear, s),
     )  # fmt: skip
-
-
-def _integrated(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes and headings of a line whose curvature is linear between nodes: three-point Gauss-Legendre per cell."""
-    heading = np.concatenate([[0.0], np.cumsum((curvature[1:] + curvature[:-1]) / 2 * step)])
-    part = step * np.array([1 - GAUSS, 1, 1 + GAUSS]) / 2
-    change = np.diff(curvature)[:, None] / step
-    turned = heading[:-1, None] + part * (curvature[:-1, None] + part * change / 2)
-    weights = step * np.array([5, 8, 5]) / 18
-    x, y = (np.concatenate([[0.0], np.cumsum(f(turned) @ weights)]) for f in (np.cos, np.sin))
-    return x, y, heading
