@@ -179,7 +179,7 @@ class RecordLikelihood:
         e, s = at[0], np.abs(at[1])  # The cost is infinite where the filter diverges.
         score, information = score_and_information(e, s, slopes)
         share, met, autocovariance = 1 / problem.correlated, np.abs(path.states[:, [1, 3]]), np.zeros(LAGS)
-        for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -4.0, 4.0)).values():
+        for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -OUTLIER, OUTLIER)).values():
             for lag in range(min(LAGS, len(part))):
                 autocovariance[lag] += part[lag:] @ part[: len(part) - lag]
         return RecordScore(
