@@ -11,7 +11,7 @@ import pytest
 import narrows as nw
 from faults import FAULTS, ashore, off, scaled, seldom
 from logs import bend, bent_waterway, kvlcc2, zigzag
-from narrows.logbook.checking.check_log import ALL
+from narrows.logbook.checking.check_log import ALL, Checked, check_clock
 from narrows.logbook.checking.faults import FaultTest, FaultTests
 from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
@@ -159,6 +159,13 @@ def test_a_model_of_another_size_is_told() -> None:
     found = nw.check_log([zigzag()], nw.published("yasukawa2015_kvlcc2"))
     assert found.wrong[0].check == "speed"
     assert "scale_model" in found.wrong[0].remedy
+
+
+@pytest.mark.parametrize(("back", "said"), [(0.5, "goes back by up to 0.5 s"), (0.0, "stands still")])
+def test_a_clock_that_goes_back_by_half_a_second_does_not_stand_still(back: float, said: str) -> None:
+    record = nw.ShipRecord("A", {"psi": nw.Signal(np.array([0.0, 1.0, 1.0 - back, 2.0]), np.zeros(4))})
+    (found,) = check_clock(Checked(record, kvlcc2(), None, 1.0))
+    assert found.sentence == f"the time of psi {said}, 1 times, first at t = {1.0 - back:g} s"
 
 
 def test_findings_are_a_result() -> None:

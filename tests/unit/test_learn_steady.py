@@ -105,6 +105,25 @@ def test_the_answer_is_that_of_a_search_over_coefficients_wind_zeros_and_places(
     assert found.chi_square == pytest.approx(2 * best.cost, abs=2e-3)
 
 
+def test_the_chi_square_of_a_known_ship_is_the_distance_of_a_leg_from_its_steady_courses() -> None:
+    """Another search finds the true place whose steady course is nearest to the readings, in their errors."""
+    known = replace(ship(), covariance=np.diag([1e-24 * (name == "c_bank") for name in ship().terms.names]))
+    sure = replace(CALM, wind=0.0, rudder_zero_deg=0.0, drift_zero_deg=0.0, y_error=0.1, u_error=0.02)
+    read = {"y": 0.5, "u": 0.8, "rudder [deg]": 8.0, "drift [deg]": -0.3}
+    error = np.array([reading_error(sure, name) for name in LATENT])
+
+    def distance(place: np.ndarray) -> np.ndarray:
+        y, u = (read[name] + size * off for name, size, off in zip(("y", "u"), error, place, strict=False))
+        held = nw.steady_course(known, y=y, u=u, workers=1)
+        angles = np.radians([read["rudder [deg]"], read["drift [deg]"]]) - [float(held["rudder"]), float(held["psi"])]
+        return np.append(place, angles / error[2:])
+
+    nearest = least_squares(distance, np.zeros(2))
+    found = LegProblem(coefficient_prior(known, "held"), sure, steady_readings(pd.DataFrame([read]), sure)).fit()
+    assert found.converged
+    assert found.chi_square == pytest.approx(2 * nearest.cost, rel=1e-6)
+
+
 def test_a_zero_of_the_rudder_cancels_over_both_sides() -> None:
     loose = replace(CALM, rudder_zero_deg=30.0)
     first, other = (nw.learn_steady(ship(), legs(shift_deg=shift), conditions=loose) for shift in (0, 2.0))

@@ -11,6 +11,8 @@ import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.likelihood import (
     LinearRecord,
+    RecordLikelihood,
+    RecordPath,
     bounded_step,
     deviance,
     readings_for_one,
@@ -26,6 +28,7 @@ from narrows.logbook.learned_coefficients import (
     with_asymmetry,
     with_spread,
 )
+from narrows.logbook.learning.log_setup import _rounding
 
 
 def unknowns(low: float = -math.inf, high: float = math.inf) -> SimpleNamespace:
@@ -78,6 +81,19 @@ def test_costs_scores_and_information_of_two_innovations_by_hand() -> None:
     np.testing.assert_allclose(information, [[0.25 + 0.5 * 9 / 0.25, 0.0], [0.0, 4.0 / 0.5 + 0.5 / 16]])
 
 
+def test_an_innovation_counts_as_four_deviations_at_most_in_the_correlation() -> None:
+    """Innovations of 5, -1, 3 and -15 deviations as 4, -1, 3 and -4: their products, one to three readings apart."""
+
+    class Given(RecordLikelihood):
+        def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[np.ndarray, np.ndarray]:
+            return np.array([[10.0, -1.0, 1.5, -30.0], [4.0, 1.0, 0.25, 4.0]]), np.zeros((1, 2, 4))
+
+    grid, problem = SimpleNamespace(by_signal=lambda values: {"y": values}), SimpleNamespace(correlated=1.0)
+    path = RecordPath(np.ones((2, 6)), np.zeros((2, 0)), np.ones(4))
+    found = Given(problem, grid).scored(np.zeros(1), path)  # type: ignore[arg-type]
+    np.testing.assert_allclose(found.autocovariance[:5], [16 + 1 + 9 + 16, -4 - 3 - 12, 12 + 4, -16, 0])
+
+
 def test_readings_count_for_one_up_to_the_lag_at_which_they_are_independent() -> None:
     assert readings_for_one(np.array([10.0, 4.0, 1.0, 0.6, 0.4, 9.0])) == pytest.approx(1 + 2 * (0.4 + 0.1 + 0.06))
     assert readings_for_one(np.array([10.0, 4.0])) == pytest.approx(1.8)
@@ -96,6 +112,17 @@ def test_a_reading_beyond_four_deviations_counts_as_one_at_four() -> None:
     np.testing.assert_allclose(record.weights(model), [0.25, 1.0, 1.0])
     tripled = replace(record, left=np.array([2.0, -0.16, 3.0]))
     np.testing.assert_allclose(tripled.weights(model), [1.0, 0.25, (4 / 12) ** 2])
+
+
+def test_the_error_of_a_rounded_signal_has_the_size_and_memory_of_a_sawtooth() -> None:
+    """A ramp of 0.01 each second in steps of 0.1 has a period of 10 s; its memory is a sixth of that."""
+    t = np.arange(0.0, 1000.0, 0.25)
+    exact = 0.01 * t
+    rounded = 0.1 * np.round(exact / 0.1)
+    std, memory = _rounding(nw.Signal(t, rounded))
+    assert std == pytest.approx((rounded - exact).std(), rel=0.01)
+    assert memory == pytest.approx(10.0 / 6, rel=0.01)
+    assert _rounding(nw.Signal(t, exact)) == (0.0, 1.0)
 
 
 def test_numbers_of_the_stochastic_model_are_logarithms_over_their_usual_values() -> None:

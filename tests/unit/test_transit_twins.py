@@ -225,6 +225,13 @@ def test_the_course_of_a_pilot_is_tabulated_to_either_side(ship: nw.Model) -> No
     assert (rudder[-1], psi[-1], v[-1]) == pytest.approx(tuple(float(held[name]) for name in ("rudder", "psi", "v")))
 
 
+def test_a_pilot_steers_by_the_regulator_of_its_outermost_aim(ship: nw.Model) -> None:
+    one = TransitPilot(ship, 0.6, np.array([0.0, 9.0]), np.array([0.2, -0.3]))
+    (line,) = one.law.lines
+    assert line.y == pytest.approx(0.3)
+    assert line.gains == pytest.approx(nw.regulator(ship, 0.3, 0.6).lines[0].gains)
+
+
 def canal(ship: nw.Model, width: float, speed: tuple[float, float] | None, depth: float | None = None) -> nw.Model:
     own = replace(ship.configuration, canal=nw.Canal(width, depth))
     return replace(ship, configuration=own, data_range=replace(ship.data_range, speed=speed))

@@ -31,7 +31,7 @@ R = TypeVar("R")
 NO_SCALE = -5.0
 RIDGE = 1e-6  # Prior precision of a coefficient in units of the force's level: it only keeps the solution finite
 LOWEST, HIGHEST = -4.0, 6.0  # Range of the coordinates of scales, which are standard normal a priori
-POINTS, SEED = 128, 26  # Points of importance sampling, and seed of their scrambled Sobol sequence
+POINTS = 128  # Points of importance sampling
 SMALL, LARGE = -0.5, 3.0  # Starting coordinates of the search for a mode, and for a rival mode
 LEAST_CURVATURE = 0.5  # Least curvature of the log density at a mode; 1 if the data do not determine a scale
 STEP = 0.1  # Step of the finite differences for the curvature
@@ -190,8 +190,8 @@ class SplitNormal:
         from scipy import special, stats
 
         below, above = self.widths
-        sobol = stats.qmc.Sobol(len(self.mode), seed=SEED).random(count)
-        u, total = np.clip(sobol, 1e-9, 1 - 1e-9), below + above
+        sobol = stats.qmc.Sobol(len(self.mode), seed=26).random(count)
+        u, total = np.maximum(sobol, 1e-9), below + above  # Sobol points lie in [0, 1)
         half = np.where(u * total < below, u * total / (2 * below), 1 - (1 - u) * total / (2 * above))
         return np.asarray(self.mode + np.where(half < 0.5, below, above) * special.ndtri(half) @ self.root)
 

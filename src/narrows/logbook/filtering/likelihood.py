@@ -19,7 +19,6 @@ from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel, Unknowns
 from narrows.logbook.filtering.record_grid import CURRENTS, OFFSET, RUDDER, RecordGrid, first_guess, predicted_signal
 
-WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])  # Standard deviation of a step of each state, relative to the others
 SPEED_WALK = 2e-3  # Random walk of a held speed in a second, over itself
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
 START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
@@ -71,7 +70,7 @@ class LinearRecord:
         (count, size), step, scale = self.rows.shape, self.grid.step, self.problem.scales
         room, first, loops = len(self.slopes) * smooth, self.grid.first_readings, compiled_loops(kalman_loops)
         kept, stationary = model.kept(step), model.covariance()
-        regular, started = (self.problem.walk * WALKS * scale) ** 2, (START * scale) ** 2
+        regular, started = (self.problem.walk * scale) ** 2, (START * scale) ** 2
         regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * (self.problem.motion.integrator.ship.surge == "held")
         found, gains = np.empty((2, count)), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
@@ -179,7 +178,7 @@ class RecordLikelihood:
         e, s = at[0], np.abs(at[1])  # The cost is infinite where the filter diverges.
         score, information = score_and_information(e, s, slopes)
         share, met, autocovariance = 1 / problem.correlated, np.abs(path.states[:, [1, 3]]), np.zeros(LAGS)
-        for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -4.0, 4.0)).values():
+        for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -OUTLIER, OUTLIER)).values():
             for lag in range(min(LAGS, len(part))):
                 autocovariance[lag] += part[lag:] @ part[: len(part) - lag]
         return RecordScore(
