@@ -3,6 +3,7 @@
 import json
 from functools import cache
 
+import control
 import numpy as np
 import pytest
 from cases import mmg, paper
@@ -223,5 +224,6 @@ def test_functions_of_python_control_take_the_system() -> None:
     s = 0.1j
     np.testing.assert_allclose(one(s), whole["r", "rudder"](s), rtol=1e-9)
     np.testing.assert_allclose(linear.frequency_response([0.1], input="rudder", output="r").complex, one(s), rtol=1e-9)
-    with pytest.raises(AttributeError, match="has no 'ctrb'; write matrices"):
-        linear.ctrb()
+    np.testing.assert_allclose(linear.ctrb(), control.ctrb(linear.A, linear.B))
+    with pytest.raises(AttributeError, match="has no 'obsv'; write matrices"):
+        linear.obsv()
