@@ -24,6 +24,8 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.equivalent_wall([(1.0, 0.0), (2.0, -1.0)], 1.0), "below the bottom"),
         (lambda: nw.identify(short_twin(), "sped"), "did you mean 'speed'"),
         (lambda: nw.identify(short_twin(), bounds={"b_v": 3.0}), "bounds: b_v = 3.0 is no lower and upper bound"),
+        (lambda: nw.identify(short_twin(), bounds=[(0.0, 1.0)]), "bounds = .* are not by name; give them"),
+        (lambda: nw.identify(short_twin(), bounds={"b_v": ("a", 1.0)}), "is no lower and upper bound; give both"),
         (lambda: nw.identify(short_twin(), bounds={"b_v": (3.0, 1.0)}), "is no lower and upper bound; give both"),
         (lambda: nw.identify(short_twin(), fixed="b_bank"), "fixed = 'b_bank' has no values by name"),
         (lambda: nw.simulate(DTC, duration=1.0).at("later"), "t = 'later' is not a finite number"),

@@ -296,14 +296,19 @@ class TermTable(BaseSummary):
 
         The ``argument`` names them in messages.
         """
+        if not isinstance(bounds, Mapping):
+            raise InputError(f"bounds = {shown(bounds)} are not by name; give them, as in {{'b_vdot': (0.0, None)}}")
         changed = {}
         for name, ends in bounds.items():
             check_choice(argument, name, self.names)
-            pair = tuple(ends) if isinstance(ends, tuple | list) and len(ends) == 2 else (1.0, 0.0)
-            low, high = (end if at is None else float(at) for end, at in zip((-math.inf, math.inf), pair, strict=True))
-            if not low <= high:
+            try:
+                low, high = ends
+                bound = -math.inf if low is None else float(low), math.inf if high is None else float(high)
+            except (TypeError, ValueError):
+                bound = math.nan, math.nan
+            if not bound[0] <= bound[1]:
                 raise InputError(f"{argument}: {name} = {shown(ends)} is no lower and upper bound; give both")
-            changed[name] = replace(self[name], bound=(low, high))
+            changed[name] = replace(self[name], bound=bound)
         surge, sway, yaw = (tuple(changed.get(one.name, one) for one in terms) for terms in self.forces.values())
         return replace(self, surge=surge, sway=sway, yaw=yaw)
 
