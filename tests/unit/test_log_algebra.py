@@ -28,7 +28,7 @@ from narrows.logbook.learned_coefficients import (
     with_asymmetry,
     with_spread,
 )
-from narrows.logbook.learning.log_setup import _rounding
+from narrows.logbook.learning.log_setup import _rounding, log_problem
 
 
 def unknowns(low: float = -math.inf, high: float = math.inf) -> SimpleNamespace:
@@ -245,3 +245,11 @@ def test_the_average_of_two_answers_is_in_the_middle() -> None:
     assert both.values == [2.0]
     assert both.covariance == [[3.0]]
     assert both.probability == other.probability == pytest.approx(0.3173, abs=1e-4)
+
+
+def test_a_simulated_log_with_a_held_speed_is_learned_with_a_held_speed() -> None:
+    """Else the rudder's drag, which such a voyage does not feel, contradicts it."""
+    model = nw.published("estimated_kcs")
+    held, free = (nw.simulate(model, y=20, u=4, hold=0, duration=200, surge=kind) for kind in ("held", "free"))
+    assert [log_problem(model, one, "vdr").motion.choices["surge"] for one in (held, free)] == ["held", "free"]
+    assert log_problem(model, held, "vdr", surge="free").motion.choices["surge"] == "free"

@@ -59,7 +59,8 @@ def learn(
     waterway : Waterway, optional
         Line of x and y; the one of the log, or else the model's own canal.
     **choices : Any
-        As for ``simulate``: surge, surge_inertia, coriolis.
+        As for ``simulate``: surge (``free`` with a propeller, unless the logged speed never changes), surge_inertia,
+        coriolis.
     """
     posed = partial(log_problem, model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry,
                     waterway=waterway, **choices)  # fmt: skip

@@ -189,13 +189,17 @@ def log_problem(
 ) -> LogSetup:  # fmt: skip
     records, grade = log_records(log, waterway), sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
-    surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
+    changes = list[bool]()  # Of the speed
     signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
     for record in islice(records, LOOKED_AT):
         signals |= {name for name in record if len(record[name])}
         for name in record:
             rounding[name] = max(rounding.get(name, (0.0, 1.0)), _rounding(record[name]))
+            changes += [bool(np.ptp(record[name].values))] * (name == "u" and len(record[name]) > 1)
         speeds.append(speed_of(record))
+    # A speed that never changes is that of a simulation that holds it.
+    held = not model.terms.propelled or (bool(changes) and not any(changes))
+    surge = choices.setdefault("surge", "held" if held else "free")
     if not speeds:
         raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
     u = float(np.median(speeds))
