@@ -89,6 +89,20 @@ def off_at_the_end(voyage: nw.Voyage, y: float = HOLD) -> float:
     return float(np.abs(voyage.y[-100:] - y).max())
 
 
+def test_a_state_is_predicted_until_the_gear_follows_as_the_engine_moves_it() -> None:
+    """A servo of 1 s, three intervals of a plan, that follows the last order: to 1 % of what changes meanwhile."""
+    slow = nw.SteeringGear(35.0, 20.0, lag=1.0)
+    made = replace(ship(), configuration=replace(ship().configuration, steering=slow))
+    begun = PredictiveHelm(made, HOLD, SPEED).begin()
+    begun.push, begun._order, begun._stages = np.zeros(2), 0.2, [0.2] * 4
+    now = {"y": 0.2, "psi": 0.01, "v": 0.02, "r": 0.01}
+    found = begun._at_actuation(helm_module.Seen(0.0, 3.0, SPEED, np.array([*now.values(), 0.0])))
+    end = nw.simulate(made, x=3.0, u=SPEED, **now, duration=1.0, dt=0.005, controller=nw.ConstantRudder(0.2))
+    after = np.array([end[name][-1] for name in now])
+    assert (np.abs(found.state[:4] - after) < 0.01 * np.abs(after - list(now.values()))).all()
+    assert (found.t, found.x, found.state[4]) == pytest.approx((1.0, end["x"][-1], 0.2), rel=1e-6)
+
+
 def test_it_comes_back_to_its_offset_within_the_limits_of_the_gear() -> None:
     voyage, gear = flown(y=1.6), ship().configuration.gear
     assert off_at_the_end(voyage) < 0.01

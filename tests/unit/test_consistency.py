@@ -72,6 +72,19 @@ def test_a_fault_is_told_to_the_estimator_alone() -> None:
     np.testing.assert_array_equal(found.error[:, before], tried().error[:, before])
 
 
+def test_a_twin_whose_estimate_lies_in_a_bank_is_not_judged_until_the_next_start() -> None:
+    """From 1 s on a rudder of 0.4 rad is indicated, which no twin has, and no sensor contradicts it."""
+
+    def lost(t: float, readings: dict[str, Any]) -> dict[str, Any]:
+        return {"rudder": np.array([0.4])} if t >= 1.0 else readings
+
+    found = consistency(steered(), ALL, 0.4, 1.0, twins=2, duration=12.0, coefficients="certain", fault=lost)
+    assert found.aground == 0
+    for own in (found.nees, found.error[..., 1], found.std[..., 1]):
+        assert np.isfinite(own[:, (found.t > 1.0) & (found.t < 10.0)]).all()
+        assert np.isnan(own[:, found.t > 11.0]).all()
+
+
 def test_a_gyro_that_counts_whole_turns_has_the_same_errors() -> None:
     short = {"y": 0.4, "u": 1.0, "twins": 2, "duration": 4.0}
     once = consistency(steered(), ALL, **short)

@@ -41,6 +41,16 @@ class Counting:
 
     sensors: ClassVar = {"a": SimpleNamespace(delay=0.0), "b": SimpleNamespace(delay=1.5)}
     wall = math.inf
+    time_scale, actuators, states = 1.0, (), StateNames(("time", "turned", "told"))
+
+    def with_faults(self, faults: frozenset[str]) -> "Counting":
+        return self
+
+    def adopt(self, now: Gaussian, other: Any) -> Gaussian:
+        return now
+
+    def monitor(self) -> np.ndarray:
+        return np.zeros(2)
 
     def advance(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         moved = now.mean * [1.0, 1.0, math.exp(-duration)] + [duration, duration * (start[0] + end[0]) / 2, 0.0]
@@ -128,6 +138,26 @@ def test_a_run_into_the_bank_ends() -> None:
     assert all(one.update(float(t), {"a": (1.0,)}, np.zeros(1), notes) for t in (1, 2, 3))
     assert not one.update(4.0, {"a": (1.0,)}, np.zeros(1), notes)
     assert replay(filter, one.history[0], [one.last._replace(t=9.0)], 1.0, 1.0) is None
+
+
+@pytest.mark.parametrize("place", [0, 3])
+def test_a_switch_of_the_bank_keeps_each_moment_once(place: int) -> None:
+    """From its onset on b is left out; a restart begins at its onset, and what came before is forgotten."""
+    one = run()
+    sail(one)
+    filter: Any = one.filter
+    onset, times = one.history[place], [moment.t for moment in one.history]
+    best = Hypothesis(frozenset({"b"}), FilterRun(filter, one.history[place:], 1.5, 4.0), 0.0)
+    made = FaultBank(filter)
+    after, said = made._switched_to(one, best, 6.0)
+    assert ([moment.t for moment in after.history], after.begun) == (times, 0.0)
+    # By hand: the sum at the onset and a at each whole second after it, faded until 6 s.
+    since = [onset.state.mean[2] * math.exp(onset.t - 6)] + [math.exp(t - 6) for t in range(1, 7) if t > onset.t]
+    assert after.last.state.mean[2] == pytest.approx(sum(since))
+    assert made.faults == after.left_out == frozenset({"b"})
+    assert "b contradicts the others" in said
+    anew, _ = FaultBank(filter)._switched_to(one, best._replace(is_restart=True), 6.0)
+    assert ([moment.t for moment in anew.history], anew.begun) == (times[place:], onset.t)
 
 
 # Readings and starts

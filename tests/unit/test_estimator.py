@@ -223,6 +223,17 @@ def test_a_late_reading_is_put_where_it_belongs() -> None:
     np.testing.assert_allclose(then.covariance, now.covariance, rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.parametrize("late", [("gnss",), ("gyro",), ("gnss", "gyro", "log")])
+def test_a_start_from_late_readings_is_carried_to_the_present(late: tuple[str, ...]) -> None:
+    """A ship at 1 m/s that is at x = t; the readings of the late sensors are 0.4 s old."""
+    sensors = [replace(sensor, delay=0.4 * (sensor.name in late)) for sensor in SENSORS]
+    one, age = estimator(*sensors), 0.4 * ("gnss" in late)
+    for t in (5.0, 5.2, 5.4):
+        now = one.update(t, gnss=(t - age, 0.4), gyro=0.0, log=1.0, rudder=0.0)
+    assert now.ready
+    assert (now.t, now["x"]) == (5.4, pytest.approx(5.4, abs=0.01))
+
+
 def test_fixes_before_the_start_are_carried_by_the_current() -> None:
     """Three fixes 10 s apart, at 1 m/s through water that flows at 0.3 m/s."""
     flowing = replace(nw.straight_waterway(nw.Canal(7.0), 100.0), current=0.3)

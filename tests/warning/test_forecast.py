@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -119,6 +120,12 @@ def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
     spread, told = np.std(drawn, axis=1), np.sqrt(np.diag(ship().covariance))
     assert (spread <= 1.1 * told).all()
     assert (spread > 0.2 * told).sum() >= (coefficients != "certain") * len(told) / 2
+
+
+def test_a_forecast_has_the_samples_that_its_page_states() -> None:
+    page, usual = (Path(__file__).parents[2] / "docs/warning.md").read_text("utf-8"), Forecaster(estimator())
+    assert f"- {len(usual.members)} samples for {settings.HORIZON:g} s with the rudder unchanged" in page
+    assert f"- {len(usual.escaping)} samples for each **escape**" in page
 
 
 def test_a_ship_that_heads_into_a_current_across_stays_on_its_line() -> None:

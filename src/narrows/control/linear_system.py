@@ -94,7 +94,7 @@ class LinearSystem(BaseResult):
                 "halving_s": np.where(values.real < 0, -np.log(2) / values.real, np.inf),
                 "period_s": 2 * np.pi / np.abs(values.imag),
             }
-        damping = np.where(values != 0, -values.real / np.maximum(np.abs(values), np.finfo(float).tiny), 0.0)
+        damping = (0.0 - values.real) / np.maximum(np.abs(values), np.finfo(float).tiny)  # 0 of a zero root
         shape = dict(zip(self.states, shapes, strict=True))
         rates = {"growth": values.real, "angular_frequency": values.imag}
         return pd.DataFrame({**rates, **times, "damping_ratio": damping, **shape}).rename_axis("mode")

@@ -211,12 +211,11 @@ def gains_of(
 ) -> np.ndarray:
     """Gains of the states ``FEEDBACK``, (n, 6), of systems (n, 6, 6) driven by the rudder rate; NaN for none."""
     # Each state is scaled to its weight, and time to ship lengths: the entries are of order 1.
-    hull, gear, one = ship.model.configuration.ship, ship.model.configuration.gear, np.ones(len(speed))
+    hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
     time, off, rudder = hull.length / speed, weights.offset * hull.beam / 2, radians(weights.rudder_deg)
-    size = np.stack(
-        [off * one, radians(weights.heading_deg) * one, speed, speed / hull.length, rudder * one,
-         off * weights.integral_time * time], axis=1,
-    )  # fmt: skip
+    size = np.column_stack(np.broadcast_arrays(
+        off, radians(weights.heading_deg), speed, speed / hull.length, rudder, off * weights.integral_time * time
+    ))  # fmt: skip
     rate = np.minimum(rudder / (weights.stroke_time * time), gear.rate)
     scaled = time[:, None, None] * motion * size[:, None, :] / size[:, :, None]
     drive = (time * rate)[:, None] * push / size

@@ -167,8 +167,10 @@ class Estimator(BaseSummary):
         start = self._start
         for name in self._silences(t):
             start.readings.pop(name, None)  # Too old for a start
-        late = max((self.filter.sensors[name].delay for name in measured), default=0.0)
-        start.add(t - late, measured)
+        delays = {name: self.filter.sensors[name].delay for name in measured}
+        for name, reading in measured.items():
+            start.add(t - delays[name], {name: reading})
+        late = max(delays.values(), default=0.0)
         self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
             notes.append(f"An estimate starts from {settings.START_READINGS} readings each; it lacks {start.missing}.")
