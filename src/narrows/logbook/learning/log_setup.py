@@ -189,7 +189,7 @@ def log_problem(
 ) -> LogSetup:  # fmt: skip
     records, grade = log_records(log, waterway), sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
-    changes = list[bool]()  # Of the speed
+    changes = list[bool]()  # Whether the speed changes, by record
     signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
     for record in islice(records, LOOKED_AT):
         signals |= {name for name in record if len(record[name])}
