@@ -174,6 +174,8 @@ FRESH: dict[str, Callable[[Path], Any]] = {
     "nw.predict(model, tests)": lambda at: len(nw.predict(DTC, TESTS())) == TESTS().rows,  # type: ignore[attr-defined]
     "model.to_latex()": lambda at: "aligned" in DTC.to_latex(),
     "model.froude_depth(u)": lambda at: KCS.froude_depth(4.0) == pytest.approx(4.0 / np.sqrt(9.81 * 16.2)),
+    "nw.export.c(model)": lambda at: "DTC" in nw.export.c(DTC) and not nw.export.c(DTC, at / "a.h"),
+    "comparison.table": lambda at: len(nw.compare(TESTS(), "paper").table) == 3,
     "linear.is_stable": lambda at: not KCS.linearize(u=4.0).is_stable,
     "linear.dcgain()": lambda at: KCS.linearize(u=4.0).dcgain().shape == (4, 2),
     "model.eigenvalues(u=4)": lambda at: len(KCS.eigenvalues(u=4.0)) == 4,
@@ -335,7 +337,7 @@ assert nw.simulate(fit, y=0.1).t[-1] == fit.simulate(y=0.1).t[-1]
 assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
 assert fit.linearize(u=1.0).A.shape == fit.model.linearize(u=1.0).A.shape; fit.export("fit.h")
 assert nw.Model.load("mikkelsen2025_dtc") == pub and nw.load_tests is nw.read_captive
-assert nw.export.c is nw.export.write
+assert nw.export.c(pub) == pub.to_c()
 assert nw.regulator is nw.control.regulator and nw.closed_loop is nw.control.closed_loop
 assert nw.simulate(nw.scale_model(pub, 355.0), y=5.0).final["u"] > 1
 assert fit.ship.length == fit.model.configuration.ship.length

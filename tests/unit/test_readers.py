@@ -239,3 +239,10 @@ def test_the_noise_of_a_twin_may_be_a_share_of_its_forces() -> None:
         for force in ("X", "Y", "N"):
             size = float(np.sqrt(np.mean(quiet[force][rows] ** 2)))
             assert (noisy[force] - quiet[force])[rows].std() == pytest.approx(0.05 * size, rel=0.15)
+
+
+def test_a_table_of_one_ship_is_not_read_for_another(kcs_tests: dict[int, nw.CaptiveTests], tmp_path: Path) -> None:
+    kcs_tests[100].to_csv(tmp_path / "t.csv")
+    assert nw.read_captive(tmp_path / "t.csv", kcs_tests[100].configuration).rows == kcs_tests[100].rows
+    with pytest.raises(nw.InputError, match=r"the ship in its columns is 4.367 m long, the ship that is given 230 m"):
+        nw.read_captive(tmp_path / "t.csv", nw.published("estimated_kcs"))

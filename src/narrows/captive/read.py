@@ -26,7 +26,7 @@ from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import ShipSource, configuration_in, ship_from
+from narrows.ship.ship_file import ShipSource, check_same_ship, configuration_in, ship_from
 
 NO_ROWS = "no rows are left to read; add rows under the header, or select less strictly (where)"
 
@@ -69,7 +69,9 @@ def read_captive(
     name = str(path) if path else cells.name_of(table)
     configuration = None if ship is None else ship_from(ship, movers)
     sheet = read_frame(path) if path else cells.as_sheet(table)
-    if configuration is None:
+    if configuration and {"length", "beam", "block_coefficient"} <= {*map(str, sheet.frame)}:
+        check_same_ship(sheet.frame, name, configuration)
+    elif configuration is None:
         configuration, own = configuration_in(sheet.frame, name, movers)
         sheet = sheet._replace(frame=sheet.frame.drop(columns=own))
     with stage("checking the table"):

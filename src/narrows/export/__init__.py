@@ -138,6 +138,8 @@ LANGUAGES = {kind.replace("-", "_"): own for kind, own in EXPORTERS.items() if k
 
 
 def __getattr__(name: str) -> Any:
+    if name in LANGUAGES:  # ``nw.export.c(model)``, as ``model.to_c()``
+        return lambda model, path=None, **options: to_language(model, name, path, **options)
     return part_named(name, "export", __all__)
 
 

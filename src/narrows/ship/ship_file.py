@@ -100,6 +100,14 @@ def configuration_in(frame: Any, table: str, actuators: Iterable[Actuator] = ())
     return configuration_from(sections, table, actuators), names
 
 
+def check_same_ship(frame: Any, table: str, given: Configuration) -> None:
+    """Raise if the columns of a table that have particulars are of another ship than the given one."""
+    own = configuration_in(frame, table)[0].ship
+    if own.length != given.ship.length:
+        sizes = f"{own.length:.4g} m long, the ship that is given {given.ship.length:.4g} m"
+        raise InputError(f"{table}: the ship in its columns is {sizes}; leave the ship out, or the columns")
+
+
 def assumptions(water: Water) -> dict[tuple[str, str], str]:
     """Return what is assumed where a file leaves a key out, by section and key."""
     return {
