@@ -104,7 +104,7 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
                 return _with_call(value, name)
             if called == ours.endswith(CALL) or isinstance(value, Named):
                 return value
-            made = partial(_value, value, name) if called else value()
+            made: Any = partial(_value, value, name) if called else value()
             return _with_call(made, name) if type(made).__name__ == "DataFrame" else made
     stem = name.rpartition("_")[0]
     own = stem if stem in known else name_here(stem, "attributes", lambda row: _head(row) in known)
