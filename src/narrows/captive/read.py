@@ -47,8 +47,7 @@ def read_captive(
         y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header has a unit, as in ``psi
         [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` if they change from row to row.
     ship : str, Path, Configuration or mapping
-        The ship file, its configuration, or its sections as mappings; not needed for a table with the particulars as
-        columns ``length``, ``beam``, ``draft``, ``block_coefficient``, ``width`` ..., as ``tests.to_csv`` writes them.
+        The ship file, its configuration, or its sections; a table of ``tests.to_csv`` has them as columns of its own.
     where : str, optional
         Selection of rows, as in ``"abs(y) < 0.5 and psi_deg > 2"``: on the headers of the table, or on the names above,
         SI unless they end in a unit.
@@ -106,6 +105,7 @@ class StreamedTests:
     actuators: tuple[Actuator, ...] = ()  # Additional actuators, whose columns the table may have
     source: Source = field(default_factory=Source)  # Origin of the rows
     notes: tuple[str, ...] = ("rows streamed from disk",)  # Notes of the reader
+    force_rows = CaptiveTests.force_rows
 
     @property
     def names(self) -> tuple[str, ...]:

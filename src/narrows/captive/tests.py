@@ -14,6 +14,7 @@ from narrows.base.errors import InputError, check_choice, did_you_mean, near_mis
 from narrows.base.files import csv_of
 from narrows.base.results import Tabulated, given_or_written, same_content
 from narrows.model.sections import Source
+from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number, Quantity
 from narrows.readers.cells import floats, parse_header
 from narrows.ship.actuators import STANDARD
@@ -100,10 +101,9 @@ class CaptiveTests(Configured, Tabulated):
 
     @property
     def kinds(self) -> tuple[str, ...]:
-        """Kind of motion of each test.
+        """Kind of each test: ``straight``, ``drift``, ``turn``, ``pure sway``, ``pure yaw``, ``sway and yaw``.
 
-        These are ``straight``, ``drift``, ``turn``, ``pure sway``, ``pure yaw`` and ``sway and yaw``; ``yaw with
-        drift`` is one with a mean drift, and so are ``turn with drift`` and the like.
+        ``yaw with drift`` is one with a mean drift, and so are ``turn with drift`` and the like.
         """
         return tuple(_kind(self.rows_of(place), self.ship.length) for place in range(len(self)))
 
@@ -295,6 +295,28 @@ class CaptiveTests(Configured, Tabulated):
             ]
             columns = {name: column[start:stop] for name, column in self.columns.items()}
             yield Block({**particulars, **columns}, stop - start, spans, self.headers)
+
+    def force_rows(self: Any, terms: TermTable, values: Mapping[str, float], measured: bool = False) -> "pd.DataFrame":
+        """Return the forces of each row by ``terms`` with coefficients ``values``, or what was ``measured`` beyond.
+
+        Raises an InputError if a column is missing.
+        """
+        import pandas as pd
+
+        frames = []
+        for block in self.blocks(1):
+            if lacking := {*terms.inputs} - block.values.keys():
+                raise InputError(f"the tests lack {lacking.pop()}, which these terms need; add a column")
+            names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
+            rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
+            for force, own in terms.forces.items():
+                if own:
+                    parts = (values[term.name] * term.column(block.values) for term in own)
+                    estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
+                    rows[force] = block.values[force] - estimated if measured else estimated
+            frames.append(pd.DataFrame(rows))
+        frame = pd.concat(frames)
+        return frame.set_index([name for name in ("test", "t") if name in frame])
 
     def rows_of(self, i: int) -> dict[str, np.ndarray]:
         """Return the columns of one test by its index ``i`` in ``names``."""

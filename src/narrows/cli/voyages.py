@@ -226,8 +226,8 @@ def linearize(
     from narrows.simulation.initial_state import voyage_defaults
 
     ship = model_named(model)
-    linear = nw.control.linearize(ship, y, voyage_defaults(ship).speed if speed is None else speed)
-    delivery.give(linear, tables.print_linear)
+    u = voyage_defaults(ship).speed if speed is None else speed
+    delivery.give(nw.control.linearize(ship, y, u), tables.print_linear)
 
 
 @cli.verb("narrows squat estimated_kcs --speed 6kn:12kn:7")

@@ -130,9 +130,7 @@ class LinearSystem(BaseResult):
             try:
                 return super().__getattr__(name)
             except AttributeError:
-                if name.startswith("_") or not find_spec("control"):
-                    raise
-                if (found := of_python_control(self, name)) is None:
+                if name[0] == "_" or not find_spec("control") or (found := of_python_control(self, name)) is None:
                     raise
                 return found
 

@@ -1,6 +1,6 @@
 """The result of a fit; each part is computed when it is first used."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,7 +12,6 @@ import narrows
 from narrows.base.errors import InputError
 from narrows.base.named_values import Coefficients, Named
 from narrows.base.results import BaseResult, same_content
-from narrows.captive.columns import check_given
 from narrows.captive.read import Tests, as_tests
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.estimates import (
@@ -255,12 +254,12 @@ class Fit(Scored, BaseResult):
         Or at those of other ``tests``, read for a ``ship`` where they were not read yet.
         """
         read = self.tests if tests is None else as_tests(tests, ship, self.tests.configuration)
-        return force_rows(read, self.terms, self.coefficients)
+        return read.force_rows(self.terms, self.coefficients)
 
     @property
     def residuals(self) -> "pd.DataFrame":
         """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
-        return force_rows(self.tests, self.terms, self.coefficients, measured=True)
+        return self.tests.force_rows(self.terms, self.coefficients, measured=True)
 
     def score(self, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other ``tests``, read for a ``ship`` where they were not read yet."""
@@ -370,22 +369,3 @@ class Fit(Scored, BaseResult):
 
 def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:
     return [{"error": e.name, "size": size, "unit": e.unit, "usual": e.usual} for e, size in sizes]
-
-
-def force_rows(tests: Tests, terms: TermTable, values: Mapping[str, float], measured: bool = False) -> "pd.DataFrame":
-    """Forces of each row as estimated, or what was measured beyond that."""
-    import pandas as pd
-
-    frames = []
-    for block in tests.blocks(1):
-        check_given(terms.inputs, block.values, block.headers, terms.actuators)
-        names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
-        rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
-        for force, own in terms.forces.items():
-            if own:
-                parts = (values[term.name] * term.column(block.values) for term in own)
-                estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
-                rows[force] = block.values[force] - estimated if measured else estimated
-        frames.append(pd.DataFrame(rows))
-    frame = pd.concat(frames)
-    return frame.set_index([name for name in ("test", "t") if name in frame])

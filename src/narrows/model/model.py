@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial, reduce
-from importlib import import_module
 from operator import add
 from pathlib import Path
 from types import MappingProxyType
@@ -205,7 +204,7 @@ class Model(Configured, Operations):
         if tests is None or isinstance(tests, Motion):
             return self.forces(tests, **quantities)
         read = tests if hasattr(tests, "blocks") else narrows.read_captive(tests, self.configuration)
-        return import_module("narrows.identification.fit").force_rows(read, self.terms, self.coefficients)
+        return read.force_rows(self.terms, self.coefficients)
 
     @accept_aliases
     def forces(
