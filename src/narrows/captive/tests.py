@@ -305,8 +305,8 @@ class CaptiveTests(Configured, Tabulated):
 
         frames = []
         for block in self.blocks(1):
-            if lacking := {*terms.inputs} - block.values.keys():
-                raise InputError(f"the tests lack {lacking.pop()}, which these terms need; add a column")
+            if lacking := [name for name in terms.inputs if name not in block.values]:
+                raise InputError(f"the column {lacking[0]!r} is missing, which these terms need; add it")
             names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
             rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
             for force, own in terms.forces.items():
