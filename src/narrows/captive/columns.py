@@ -12,19 +12,31 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import MISSING, fields
 from functools import cache
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from narrows.base.errors import InputError, near_miss
 from narrows.captive.settings import SHORTEST_RECORD
-from narrows.captive.tests import LABELS, Headers
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity, is_unit, unit_named
 from narrows.readers.cells import Vocabulary, floats, numbers, quantity_of, split_header
 from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.particulars import Canal, Ship, Water, wall_of
+
+
+class Headers(NamedTuple):
+    """Headers of a table that were not read, for messages about missing columns."""
+
+    table: str = ""  # The file; empty for none
+    unread: tuple[str, ...] = ()  # Headers that are no quantity
+
+
+# Columns of words in a table of tests.
+LABELS = ("test", "condition")
+# Headers of tests without a table.
+NO_TABLE = Headers()
 
 # Quantities of a table besides its labels, and the SI unit of each.
 COLUMNS = {

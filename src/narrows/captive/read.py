@@ -17,8 +17,8 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, near_miss, path_of
 from narrows.base.progress import stage
 from narrows.captive import check, settings, tests
-from narrows.captive.columns import COLUMNS, begun, columns_with, renamed, translated
-from narrows.captive.tests import LABELS, Block, CaptiveTests, Headers, Span, cuts, selection
+from narrows.captive.columns import COLUMNS, LABELS, Headers, begun, columns_with, renamed, translated
+from narrows.captive.tests import Block, CaptiveTests, Span, cuts, selection
 from narrows.model.sections import Source
 from narrows.readers import cells
 from narrows.readers.cells import Column, Vocabulary, floats, more_like_it, recognised_in, row_number

@@ -13,6 +13,7 @@ from narrows.base.aliases import accept_aliases, name_here
 from narrows.base.errors import InputError, check_choice, did_you_mean, near_miss, reason, shown
 from narrows.base.files import csv_of
 from narrows.base.results import Tabulated, given_or_written, same_content
+from narrows.captive.columns import LABELS, NO_TABLE, Headers, check_given
 from narrows.model.sections import Source
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number, Quantity
@@ -36,23 +37,12 @@ class Span(NamedTuple):
     stop: int  # Rows of the block
 
 
-class Headers(NamedTuple):
-    """Headers of a table that were not read, for messages about missing columns."""
-
-    table: str = ""  # The file; empty for none
-    unread: tuple[str, ...] = ()  # Headers that are no quantity
-
-
 # Share of the speed, of a sway velocity or of yaw rate by length, below which a test has no such motion.
 LEAST_MOTION = 0.015
 # Rows that the filter of forces needs in a test, beyond which it is continued.
 PADDED = 15
 # Words for kinds of motion that tell nothing more.
 OF_ALL_KINDS = {"harmonic", "static", "steady", "dynamic", "pmm", "test", "tests"}
-# Columns of words in a table of tests.
-LABELS = ("test", "condition")
-# Headers of tests without a table.
-NO_TABLE = Headers()
 
 
 class Block(NamedTuple):
@@ -305,8 +295,7 @@ class CaptiveTests(Configured, Tabulated):
 
         frames = []
         for block in self.blocks(1):
-            if lacking := [name for name in terms.inputs if name not in block.values]:
-                raise InputError(f"the column {lacking[0]!r} is missing, which these terms need; add it")
+            check_given(terms.inputs, block.values, block.headers, terms.actuators)
             names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
             rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
             for force, own in terms.forces.items():
