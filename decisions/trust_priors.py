@@ -46,8 +46,7 @@ def density(part: ForcePosterior, groups: Sequence[Sequence[int]]) -> float:
         own = np.flatnonzero(np.isin(of_motion, group))
         seen = np.flatnonzero(np.isin(of_motion, group) & is_mean)
         logs, chosen = [], np.searchsorted(own, seen)
-        for i in best:
-            mean, covariance, _ = without_rows(part, int(i), own)
+        for mean, covariance in zip(*without_rows(part, best, own)[:2], strict=True):
             error, spread = rows.y[seen] - mean[chosen], covariance[np.ix_(chosen, chosen)]
             logs.append(-0.5 * (np.linalg.slogdet(2 * np.pi * spread)[1] + error @ np.linalg.solve(spread, error)))
         total += float(np.logaddexp.reduce(np.log(weights) + logs))

@@ -293,9 +293,8 @@ def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
     # motion's rows; half width of the predictive interval and the measured force, as root mean squares.
     found: dict[str, list[tuple[np.ndarray, float, float]]] = {force: [] for force in rows.forces}
     for _, own, mean_rows in _motions(part):
-        without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
-        means = np.stack([mean for mean, _, _ in without])[:, mean_rows]
-        spreads = np.stack([np.diag(covariance) for _, covariance, _ in without])[:, mean_rows]
+        means, spreads, _ = without_rows(part, np.arange(len(weights)), own)
+        means, spreads = means[:, mean_rows], np.diagonal(spreads, axis1=1, axis2=2)[:, mean_rows]
         mean, chosen = weights @ means, own[mean_rows]
         std, measured = np.sqrt(weights @ (spreads + (means - mean) ** 2)), rows.y[chosen]
         for f, force in enumerate(rows.forces):
@@ -320,10 +319,10 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates) -> "pd.Data
     problem = found.problem
     gone = np.zeros((len(motions), len(problem.scale)))
     for part in found.forces:
-        best, p = int(part.posterior.weights.argmax()), len(part.rows.free_parameters)
+        best, p = part.posterior.weights.argmax(), len(part.rows.free_parameters)
         variances = np.diag(part.posterior.parts[best].covariance)[:p]
         for motion, own, _ in _motions(part):
-            added = without_rows(part, best, own)[2][:p]
+            added = without_rows(part, best[None], own)[2][0, :p]
             gone[motion, part.rows.free_parameters] = added / np.maximum(variances + added, 1e-300)
     shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
     return pd.DataFrame(shares, motions.labels, problem.terms.names)
@@ -337,22 +336,22 @@ def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray
         yield int(motion), own, np.flatnonzero(rows.of_mean[own % rows.each])
 
 
-def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Predict some rows from all others at given scales: mean, covariance with errors, variance that they remove."""
-    # The last is the variance of coefficients and effects beyond that with the rows, (p + q,).
+def without_rows(part: ForcePosterior, draws: np.ndarray, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predict some rows from all others at the scales of each draw: mean, covariance with errors, variance removed."""
+    # The last is the variance of coefficients and effects beyond that with the rows, (draws, p + q).
     # Update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e.
-    posterior, model = part.posterior, part.posterior.model
-    conditional, x = posterior.parts[draw], model.x[own]
-    lower = np.linalg.cholesky(model.covariance_of(posterior.points[draw], own))
-    scaled = np.linalg.solve(lower, x)
-    known = conditional.covariance @ scaled.T
+    posterior, x, y = part.posterior, part.posterior.model.x[own], part.posterior.model.y[own]
+    found, spread = (stack[draws] for stack in posterior.stacked)
+    lower = np.linalg.cholesky(posterior.model.covariance_of(posterior.points[draws], own))
+    scaled = np.linalg.solve(lower, x[None])
+    known = spread @ scaled.swapaxes(1, 2)
     values, vectors = np.linalg.eigh(scaled @ known)
     # Without information from other rows only the prior remains, and rounding can make the difference negative.
-    left = np.maximum(1 - values, 1e-9)
-    error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
+    left = np.maximum(1 - values, 1e-9)[:, None]
+    error = vectors.swapaxes(1, 2) @ np.linalg.solve(lower, (y - found @ x.T)[..., None])
     back = lower @ vectors
-    added = ((known @ vectors) ** 2 / left).sum(axis=1)
-    return model.y[own] - back @ (error / left), (back / left) @ back.T, added
+    added = ((known @ vectors) ** 2 / left).sum(axis=2)
+    return y - (back / left @ error)[..., 0], (back / left) @ back.swapaxes(1, 2), added
 
 
 @dataclass(frozen=True)

@@ -140,16 +140,18 @@ class MixedModel:
         return np.asarray(slope * 0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio - z)
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        variances = self.scales(z)[: self.shared.shape[1]] ** 2
+        """Covariance of the errors of rows, at one point or at many, (..., rows, rows)."""
+        variances = self.scales(z)[..., : self.shared.shape[1]] ** 2
         block, shared = np.searchsorted(self.starts, rows, side="right"), self.shared[rows]
-        common = (block[:, None] == block) * ((shared * variances) @ shared.T)
-        return np.asarray(common + np.diag(self.noise[rows] + self.independent[rows] @ variances))
+        common = (block[:, None] == block) * ((shared * variances[..., None, :]) @ shared.T)
+        alone = self.noise[rows] + variances @ self.independent[rows].T
+        return np.asarray(common + alone[..., None] * np.eye(len(rows)))
 
     def scales(self, z: np.ndarray) -> np.ndarray:
         """Return the scales, half-t quantiles of the normal probability of z, and 1 for effects of no learned scale."""
         scale = self.prior * self._ratio(z)
-        scale[list(self.multiples)] *= scale[-1:]
-        return np.append(scale, 1.0)
+        scale[..., list(self.multiples)] *= scale[..., -1:]
+        return np.concatenate([scale, np.ones_like(scale[..., :1])], axis=-1)
 
     def _ratio(self, z: np.ndarray) -> np.ndarray:
         from scipy import special
@@ -314,14 +316,19 @@ class ScaleMixture:
         return np.hstack([np.eye(self.model.fixed), self.model.absorbed])
 
     @cached_property
+    def stacked(self) -> tuple[np.ndarray, np.ndarray]:
+        """Means and covariances of coefficients and effects, (draws, p + q) and (draws, p + q, p + q)."""
+        return np.stack([part.mean for part in self.parts]), np.stack([part.covariance for part in self.parts])
+
+    @cached_property
     def means(self) -> np.ndarray:
         """Coefficients of each draw, (draws, p)."""
-        return np.asarray(np.stack([part.mean for part in self.parts]) @ self._combined.T)
+        return np.asarray(self.stacked[0] @ self._combined.T)
 
     @cached_property
     def covariances(self) -> np.ndarray:
         """Covariance of each draw, (draws, p, p)."""
-        return np.stack([self._combined @ part.covariance @ self._combined.T for part in self.parts])
+        return np.asarray(self._combined @ self.stacked[1] @ self._combined.T)
 
     @cached_property
     def shifts(self) -> np.ndarray:

@@ -38,9 +38,10 @@ def update(
                 gain[p] += row[q] * cov[q, p]
     s = variance + np.dot(row, gain)
     for p in range(len(z)):
-        z[p] += gain[p] * e / s
+        share = gain[p] / s
+        z[p] += share * e
         for q in range(len(z)):
-            cov[p, q] -= gain[p] * gain[q] / s
+            cov[p, q] -= share * gain[q]
     gain /= s
     innovation[i], spread[i] = e, s
 
