@@ -319,10 +319,10 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates) -> "pd.Data
     problem = found.problem
     gone = np.zeros((len(motions), len(problem.scale)))
     for part in found.forces:
-        best, p = part.posterior.weights.argmax(), len(part.rows.free_parameters)
-        variances = np.diag(part.posterior.parts[best].covariance)[:p]
+        best, p = part.posterior.weights.argmax(0, keepdims=True), len(part.rows.free_parameters)
+        variances = np.diag(part.posterior.parts[best[0]].covariance)[:p]
         for motion, own, _ in _motions(part):
-            added = without_rows(part, best[None], own)[2][0, :p]
+            added = without_rows(part, best, own)[2][0, :p]
             gone[motion, part.rows.free_parameters] = added / np.maximum(variances + added, 1e-300)
     shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
     return pd.DataFrame(shares, motions.labels, problem.terms.names)

@@ -335,6 +335,6 @@ class ScaleMixture:
         """Change of each coefficient per unit change of an effect, (p, q)."""
         # Regression of coefficients on effects. Data that contradict a unit effect do not reduce the change: other
         # effects may have absorbed it.
-        p = self.model.fixed
-        slopes = [(self._combined @ part.covariance[:, p:]) / np.diag(part.covariance)[p:] for part in self.parts]
+        covariances, p = self.stacked[1], self.model.fixed
+        slopes = self._combined @ covariances[:, :, p:] / np.diagonal(covariances, axis1=1, axis2=2)[:, None, p:]
         return np.asarray(np.tensordot(self.weights, slopes, 1))
