@@ -9,14 +9,18 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
+from narrows.logbook.filtering import likelihood
 from narrows.logbook.filtering.likelihood import (
     LinearRecord,
     RecordLikelihood,
     RecordPath,
+    RecordScore,
+    SearchResult,
     bounded_step,
     deviance,
     readings_for_one,
     score_and_information,
+    search,
 )
 from narrows.logbook.filtering.log_problem import Estimated, LogProblem, Process, StochasticModel
 from narrows.logbook.learned_coefficients import (
@@ -253,3 +257,37 @@ def test_a_simulated_log_with_a_held_speed_is_learned_with_a_held_speed() -> Non
     held, free = (nw.simulate(model, y=20, u=4, hold=0, duration=200, surge=kind) for kind in ("held", "free"))
     assert [log_problem(model, one, "vdr").motion.choices["surge"] for one in (held, free)] == ["held", "free"]
     assert log_problem(model, held, "vdr", surge="free").motion.choices["surge"] == "free"
+
+
+def searches(
+    model: nw.Model, monkeypatch: pytest.MonkeyPatch, autocovariance: np.ndarray, lost: bool = False
+) -> list[LogProblem]:
+    """Search where every maximum has these innovations; return the problem of each, the first lost if asked."""
+    one = RecordScore(np.zeros(1), np.eye(1), 0.0, autocovariance, np.zeros((2, 2)), {})
+    begun: list[LogProblem] = []
+
+    def maximum(problem: LogProblem, grids: object, unknowns: np.ndarray, *_: object) -> SearchResult | None:
+        begun.append(problem)
+        return None if lost and len(begun) == 1 else SearchResult(problem, unknowns, (one,))
+
+    monkeypatch.setattr(likelihood, "_maximum", maximum)
+    prior = coefficient_prior(with_spread(model, {"b_uv": 4.0}), "held")
+    search(LogProblem(None, prior, None, StochasticModel((), {})), ())  # type: ignore[arg-type]
+    return begun
+
+
+def test_readings_are_counted_as_their_innovations_are_correlated(
+    ship: nw.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Autocorrelations of 1, 0.8, 0.4 and 0: one of 1 + 2 (0.8 + 0.4) = 3.4 readings counts, from the second search."""
+    counted = [one.correlated for one in searches(ship, monkeypatch, np.array([1.0, 0.8, 0.4, 0.0]))]
+    assert counted == pytest.approx([1.0, 3.4])
+    assert len(searches(ship, monkeypatch, np.array([1.0, 0.05, 0.0]))) == 1
+
+
+def test_a_model_that_cannot_follow_whole_records_is_fitted_loosely(
+    ship: nw.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a thousandth of her length a step, instead of rounding errors."""
+    walks = [one.walk for one in searches(ship, monkeypatch, np.array([1.0, 0.0]), lost=True)]
+    assert walks == [1e-7, 1e-3]

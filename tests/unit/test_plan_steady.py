@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.steady_legs import usual_offsets, usual_speeds
+from narrows.logbook.steady_legs import allowed_legs, usual_offsets, usual_speeds
 from narrows.quantities.names import KNOT
 
 CALM = nw.SteadyConditions(
@@ -53,6 +53,18 @@ def test_every_leg_leaves_rudder_side_and_keel() -> None:
         assert np.mean(np.abs(course["rudder"]) <= limit) >= 0.93
         assert canal.width / 2 - abs(leg["offset"]) >= ship().configuration.ship.beam
         assert KNOT * leg["speed"] < nw.choke_speed(ship().configuration)
+
+
+def test_a_leg_keeps_half_a_beam_between_the_bank_and_the_nearest_corner() -> None:
+    """Half the width, 3.5 m, less a beam of 0.572 m, and less what the drift turns half the length out."""
+    known = 1e-12 * np.eye(len(ship().terms.names))
+    straight, drifting = (replace(ship().with_coefficients(b_bank=b, c_bank=0.0), covariance=known) for b in (0, 0.01))
+    assert [*allowed_legs(straight, np.array([2.90, 2.92, 2.94]), np.array([0.5]))[0][0]] == [2.90, 2.92]
+    (allowed, _, _, drift), notes = allowed_legs(drifting, np.arange(2.5, 3.0, 0.002), np.array([0.5]))
+    turned = ship().configuration.ship.length / 2 * np.sin(np.abs(drift[-1, 1]))
+    assert not any("rudder" in note for note in notes)
+    assert turned > 0.02
+    assert 0.0 <= 3.5 - 0.572 - allowed[-1] - turned < 0.003
 
 
 def test_what_it_tells_is_what_the_legs_teach() -> None:

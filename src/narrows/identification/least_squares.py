@@ -75,7 +75,7 @@ class Problem:
 
 def bounded_problem(equations: NormalEquations, terms: TermTable) -> Problem:
     slot = free_parameters(terms)
-    size = max(slot.values()) + 1
+    size = len(set(slot.values()))
     square, bounds = np.zeros(size), np.tile([-np.inf, np.inf], (size, 1))
     for term in terms.terms:
         i, j = slot[term.name], equations.columns[term.name]

@@ -36,7 +36,7 @@ class Demonstration:
     voyage: Voyage  # Voyage in steps of a second, along the canal
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
-        random, voyage = np.random.default_rng(0), self.voyage
+        random, voyage = np.random.default_rng(seed=0), self.voyage
         for row, t in enumerate(voyage.t):
             now = {name: float(voyage[name][row]) for name in ("x", "y", "psi", "r", "u", "rudder")}
             v = float(voyage.v[row])
