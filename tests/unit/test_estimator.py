@@ -107,15 +107,13 @@ def test_a_long_time_is_taken_in_steps_no_longer_than_the_limit() -> None:
     """The rudder turns on from step to step, as in as many calls."""
     made = replace(estimator().filter, step=0.25)
     begun = Gaussian(np.append(row(), np.zeros(made.estimated)), 0.01 * np.eye(len(made.states) + made.estimated))
-    turned = [0.1 + 0.02 * n for n in range(6)]
-    whole = made.advance(begun, 1.0, np.array([turned[0]]), np.array([turned[4]]))
-    assert len(whole) == 4
-    assert len(made.advance(begun, 1.25, np.array([turned[0]]), np.array([turned[5]]))) == 5
-    now = begun
-    for first, then in pairwise(turned[:5]):
+    turned, now = [0.1 + 0.02 * n for n in range(6)], begun
+    for number, (first, then) in enumerate(pairwise(turned), 1):
         (one,) = made.advance(now, 0.25, np.array([first]), np.array([then]))
         now = one.state
-    np.testing.assert_allclose(whole[-1].state.mean, now.mean, rtol=1e-12, atol=1e-14)
+        whole = made.advance(begun, 0.25 * number, np.array([turned[0]]), np.array([then]))
+        assert len(whole) == number
+        np.testing.assert_allclose(whole[-1].state.mean, now.mean, rtol=1e-12, atol=1e-14)
 
 
 def test_the_strength_of_the_bank_is_a_factor_on_its_terms() -> None:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
@@ -266,10 +267,7 @@ class ShipFilter:
         """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         taken: list[MotionStep] = []
-        for number in range(count):
-            here, there = start, end
-            if count > 1:
-                here, there = (start + share * (end - start) for share in (number / count, (number + 1) / count))
+        for here, there in pairwise(np.linspace(start, end, count + 1)):
             taken.append(self.predict(now, duration / count, here, there))
             now = taken[-1].state
             if taken[-1].aground:

@@ -174,6 +174,6 @@ def _solve_with_active(
     fixed = np.select([active < 0, active > 0], [lower, upper], 0.0)
     right = np.where(free, g - np.einsum("nij,nj->ni", h, fixed), 0.0)
     matrix = h * (free[:, :, None] & free[:, None, :])
-    diagonal = np.arange(h.shape[-1])
+    diagonal = np.arange(len(lower))
     matrix[:, diagonal, diagonal] = np.where(free, matrix[:, diagonal, diagonal] + RIDGE, 1.0)
     return fixed + np.linalg.solve(matrix, right[..., None])[..., 0]
