@@ -201,18 +201,18 @@ def test_a_start_takes_the_better_sensor_and_its_error_apart() -> None:
     """Medians of the last three readings; a bias as large as the noise makes an entry of its own in the root."""
     sensors = {"log": Log(0.1), "doppler": Log(0.03, name="doppler", bias=0.04), "gyro": Gyro(0.002)}
     start = Start(SimpleNamespace(sensors=sensors, faults=ALL))
-    for t, speed in ((0.0, 9.0), (1.0, 4.0), (2.0, 5.0), (3.0, 4.4)):
-        start.add(t, {"log": (speed,), "doppler": (speed + 1.0,), "gyro": (6.2 if t == 2.0 else -0.1,)})
+    for t, speed in ((0.0, 9.0), (1.0, 4.0), (2.0, 5.0), (3.0, 14.0)):
+        start.add(t, {"log": (speed,), "doppler": (speed + 1.0,), "gyro": ({2.0: 6.2, 3.0: 6.15}.get(t, -0.1),)})
     known = start.values()
-    assert known["u"] == (pytest.approx(5.4), {"u": 0.03, "doppler_bias": pytest.approx(-0.04)})
-    # Headings are compared across a whole turn: 6.2 rad is -0.083.
-    assert known["psi"][0] == pytest.approx(-0.1)
+    assert known["u"] == (pytest.approx(6.0), {"u": 0.03, "doppler_bias": pytest.approx(-0.04)})
+    # Headings alone are compared across a whole turn: 6.2 rad is -0.083, 6.15 is -0.133.
+    assert known["psi"][0] == pytest.approx(2 * math.pi - 0.1)
     assert [t for t, _ in start.readings["log"]] == [1.0, 2.0, 3.0]
     assert start.missing == "a place"
     # With a bias of 0.1 the doppler log is the worse one.
     worse = replace(sensors["doppler"], bias=0.1)
     other = replace(start, filter=SimpleNamespace(sensors={**sensors, "doppler": worse}, faults=ALL))
-    assert other.values()["u"] == (pytest.approx(4.4), {"u": 0.1})
+    assert other.values()["u"] == (pytest.approx(5.0), {"u": 0.1})
     few = Start(start.filter)
     few.add(0.0, {"gyro": (0.1,)})
     few.add(1.0, {"gyro": (0.1,)})
