@@ -12,7 +12,7 @@ from narrows.base.named_values import Named
 from narrows.base.results import Aliased, with_error
 from narrows.identification.least_squares import Problem, solve, solve_many
 from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
-from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions, grouped
+from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions, grouped, row_blocks
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import Effect, RunErrors, assemble
 from narrows.quantities.names import FORCES
@@ -90,8 +90,9 @@ def estimates(
 ) -> CoefficientEstimates:  # fmt: skip
     parts, size = [], len(problem.scale)
     table, covariance = np.zeros((size, 7)), np.zeros((size, size))
+    blocks = row_blocks(equations, motions)
     for forces in problem.joint_forces:
-        rows = ForceRows(equations, motions, problem, forces)
+        rows = ForceRows(equations, motions, blocks, problem, forces)
         model, effects, unit = assemble(rows, errors, configuration)
         parts.append(part := ForcePosterior(rows, effects, unit, integrate(model)))
         at = np.array(rows.free_parameters)

@@ -148,6 +148,8 @@ RANK = 1e-9
 VELOCITIES: dict[tuple[str, ...], str] = {("vdot",): "column v", ("rdot",): "column r"}
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
 RIDGE = 4e-6
+# Each block's rows, the mean's rows, the rows of the first stretches, motion, number of runs, whether it is of a mean.
+Blocks = list[tuple[np.ndarray, np.ndarray, np.ndarray, int, float, bool]]
 # Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
 MOST_UNIT = 1e16
 
@@ -156,8 +158,8 @@ class ForceRows:
     """Rows of some forces, one after the other: those of each motion's mean, of differences between its repeats."""
 
     def __init__(
-        self, equations: NormalEquations, motions: DistinctMotions, problem: Problem, forces: Sequence[str],
-        noise: np.ndarray | None = None,
+        self, equations: NormalEquations, motions: DistinctMotions, blocks: Blocks, problem: Problem,
+        forces: Sequence[str], noise: np.ndarray | None = None,
     ) -> None:  # fmt: skip
         self.problem, self.names, self.forces, self.count = problem, equations.columns, tuple(forces), len(forces)
         sums = equations.by_test(equations.unweighted)
@@ -166,7 +168,7 @@ class ForceRows:
         self.level = np.sqrt(np.maximum(total[y] / total[equations.columns[ONE]], 1e-300))
         least = (1e-6 * self.level) ** 2  # Where the rows have no noise
         self.noise = np.maximum(_noise(equations, sums, y), least) if noise is None else noise
-        columns, reference, early, motion, runs, is_mean = zip(*_blocks(equations, motions, sums), strict=True)
+        columns, reference, early, motion, runs, is_mean = zip(*blocks, strict=True)
         # (rows, m) Every column of the sums; of the motion's mean, to which errors of gain are proportional; with the
         # first stretches of each run counted alone.
         self.columns, self.reference, self.early = np.vstack(columns), np.vstack(reference), np.vstack(early)
@@ -277,12 +279,11 @@ class ForceRows:
         return np.asarray(np.linalg.solve(z.T @ z + RIDGE * count * np.eye(len(size)), z.T @ y) / size)
 
 
-def _blocks(
-    equations: NormalEquations, motions: DistinctMotions, sums: np.ndarray
-) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, int, float, bool]]:
-    """Blocks of rows by sums of products of tests; exact copies of a test count once."""
+def row_blocks(equations: NormalEquations, motions: DistinctMotions) -> Blocks:
+    """Blocks of rows by sums of products of tests, the same for every force; exact copies of a test count once."""
     from scipy.linalg import helmert
 
+    sums = equations.by_test(equations.unweighted)
     position = {name: i for i, name in enumerate(equations.names)}
     basis = np.unique([i for name, i in equations.columns.items() if not _is_measured(name)])
     one, total = equations.columns[ONE], sums.sum(axis=0)

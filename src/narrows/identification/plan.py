@@ -20,7 +20,7 @@ from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import bounded_problem, free_parameters
 from narrows.identification.mixed_model import MixedModel
-from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions
+from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions, row_blocks
 from narrows.identification.normal_equations import ONE, NormalEquations, accumulate
 from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.identification.verdict import Diagnostics
@@ -287,9 +287,10 @@ class ExpectedErrors:
     def parts(self, equations: NormalEquations, motions: DistinctMotions, terms: TermTable) -> Iterator[Part]:
         """Set up the mixed model of the forces that share coefficients or errors."""
         problem, rows_apart = bounded_problem(equations, terms), max(1.0, 2 * self.correlation_time * RATE)
+        blocks = row_blocks(equations, motions)
         for forces in problem.joint_forces:
             noise = rows_apart * np.array([self.noise[force] ** 2 for force in forces])
-            rows = ForceRows(equations, motions, problem, forces, noise)
+            rows = ForceRows(equations, motions, blocks, problem, forces, noise)
             model, _, unit = assemble(rows, self.runs, self.configuration)
             # In good tests the median ratio of fitted run-error scales to their priors is 0.7. The hull's discrepancies
             # have their usual sizes, by a global scale of 1: before the tests nobody knows how well the terms fit.

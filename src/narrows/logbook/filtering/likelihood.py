@@ -114,14 +114,13 @@ class RecordLikelihood:
         for place, name in enumerate(names):
             sums[name] = sums[name] + path.processes[:, place]
         pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
-        known = CURRENT in motion.directions
-        current = float(sums[CURRENTS[0]][0]) if known else 0.0
         offsets = {name: sums[OFFSET(name)] for name in motion.positions if OFFSET(name) in sums}
         states, along = motion.sailed(
-            path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, offsets, current
-        )
+            path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, offsets,
+            float(sums[CURRENTS[0]][0]),
+        )  # fmt: skip
         ends, slopes = states[1::2], motion.slopes(along[1::2], np.diff(grid.times), inertia, names)
-        if not known:
+        if CURRENT not in motion.directions:
             ends[:, :2] += np.stack([sums[name] for name in CURRENTS], axis=1) * np.diff(grid.times)[:, None]
         driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], path.processes)
         misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
