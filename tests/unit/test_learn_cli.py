@@ -52,23 +52,22 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
     assert "Motion determines only forces over inertia" in text
 
 
-def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
+def test_json_keeps_to_the_schema_and_notes_what_is_doubtful(cli, folder: Path) -> None:
     free = "N_v,N_r"
-    code, out, err = cli(
-        "learn", folder / "ship.toml", folder / "seldom.csv", *BASIN, "--free", free, "--json", "--unchecked"
-    )
+    code, out, err = cli("learn", folder / "ship.toml", folder / "seldom.csv", *BASIN, "--free", free, "--json")
     assert code == 0, err
     told = json.loads(out)
     assert list(Draft202012Validator(SCHEMA).iter_errors(told)) == []
     moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
     assert moved == free.split(",")
     assert f"Only {', '.join(moved)} may change" in out
-    assert not any("doubtful" in note for note in told["log"]["notes"])
+    assert any(note.startswith("sampling (doubtful)") for note in told["log"]["notes"])
 
 
-def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, folder: Path) -> None:
-    out = cli("learn", folder / "ship.toml", folder / "seldom.csv", *BASIN, "--free", "N_r", "--json")[1]
-    assert any(note.startswith("sampling (doubtful)") for note in json.loads(out)["log"]["notes"])
+def test_a_log_that_is_not_checked_has_no_doubts(cli, folder: Path) -> None:
+    words = ("--spread", "0.01", "--free", "N_rrr", "--unchecked", "--json")
+    out = cli("learn", folder / "ship.toml", folder / "seldom.csv", "--sensors", "basin", *words)[1]
+    assert not any("doubtful" in note for note in json.loads(out)["log"]["notes"])
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:

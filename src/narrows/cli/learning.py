@@ -91,12 +91,15 @@ def learn(
 
 
 def _learn(model: "nw.Model", logs: list[Path], logged: LogOptions, way: "nw.Waterway | None") -> "nw.LogFit":
+    from narrows.logbook.learned_coefficients import with_spread
+
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
     # Logs in memory, or read from disk at each pass if one is large.
     large = len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE
     log: Any = nw.stream_log(logs[0], way, logged.mapping) if large else nw.read_log(logs, way, logged.mapping)
+    with_spread(model, logged.spread)  # A model without a prior is refused before its log is checked
     doubts: tuple[str, ...] = ()
     if not logged.unchecked:
         findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)

@@ -117,8 +117,6 @@ class MixedModel:
         white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
         """Return the gradient of the log posterior, by the identities of restricted maximum likelihood."""
-        from scipy import stats
-
         p, errors = self.fixed, self.shared.shape[1]
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
@@ -137,7 +135,15 @@ class MixedModel:
         slope[-1:] += slope[list(self.multiples)].sum()
         # Derivative of the logarithm of each scale to its coordinate: normal density over half-t density.
         ratio = self._ratio(z)
-        return np.asarray(slope * 0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio - z)
+        tail = np.exp(0.5 * (self.freedom + 1) * np.log1p(ratio**2 / self.freedom) - 0.5 * z**2)
+        return np.asarray(slope * 0.5 * self._density_ratio * tail / ratio - z)
+
+    @cached_property
+    def _density_ratio(self) -> np.ndarray:
+        """Density of the standard normal distribution over that of each prior's t distribution, both at 0."""
+        from scipy import stats
+
+        return np.asarray(stats.norm.pdf(0.0) / stats.t.pdf(0.0, self.freedom))
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Covariance of the errors of rows, at one point or at many, (..., rows, rows)."""
