@@ -11,7 +11,7 @@ import pytest
 import narrows as nw
 from faults import FAULTS, ashore, off, scaled, seldom
 from logs import bend, bent_waterway, kvlcc2, zigzag
-from narrows.logbook.checking.check_log import ALL, Checked, check_clock
+from narrows.logbook.checking.check_log import ALL, Checked, check_clock, check_place
 from narrows.logbook.checking.faults import FaultTest, FaultTests
 from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
@@ -147,6 +147,21 @@ class TestAlongAWaterway:
         share = re.search(r"and ([\d.]+)% of the time", found.wrong[0].sentence)
         assert share is not None
         assert float(share[1]) > 50.0
+
+
+def test_a_hull_that_lies_aslant_reaches_a_bank_by_its_corner() -> None:
+    dtc = nw.published("mikkelsen2025_dtc")
+    ship, heading, t = dtc.ship, np.radians(60.0), np.arange(3.0)
+    reach = ship.length / 2 * np.sin(heading) + ship.beam / 2 * np.cos(heading)
+
+    def found(clear: float) -> list[str]:
+        y = dtc.configuration.canal.width / 2 - reach - clear
+        signals = {name: nw.Signal(t, np.full(3, value)) for name, value in (("x", 0.0), ("y", y), ("psi", heading))}
+        return [own.sentence for own in check_place(Checked(nw.ShipRecord("aslant", signals), dtc, None, 1.0))]
+
+    assert found(0.01) == []
+    (sentence,) = found(-0.01)
+    assert sentence.startswith("the hull reaches 0.01 m into a bank")
 
 
 def test_a_rudder_that_is_seldom_read_is_doubtful() -> None:
