@@ -37,6 +37,11 @@ def drift(sums: np.ndarray, innovation: float) -> np.ndarray:
     return compiled_loops(square_roots).drift_statistics(sums, MEMORIES, np.zeros(1, int), np.array([innovation]), 5.0)
 
 
+def test_sensors_read_once_a_second_and_without_delay_unless_told() -> None:
+    for kind in (Gnss, Gyro, RateOfTurn, Log):
+        assert (kind(0.1).period, kind(0.1).delay, kind(0.1).bias) == (1.0, 0.0, 0.0)
+
+
 def test_noises_of_another_ship_follow_froudes_law() -> None:
     """A ship 16 times as long as that of 230 m: velocities 4 times, times 4 times; a walk gathers per root second."""
     usual, large = ProcessNoise().by_state(), ProcessNoise.of_length(16 * 230.0).by_state()
