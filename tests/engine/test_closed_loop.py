@@ -156,6 +156,18 @@ def test_declared_errors_of_sensors_are_drawn() -> None:
     assert off[0] < 0.5 < off[1] < 3.0
 
 
+def test_a_helm_reads_the_rudder_with_the_noise_of_its_indicator() -> None:
+    read: list[float] = []
+
+    def amidships(t: float, state: Any) -> float:
+        read.append(state.rudder)
+        return 0.0
+
+    noisy = [*SENSORS[:-1], RudderIndicator(noise=0.01, bias=0.0)]
+    closed_loop(full_size(), amidships, y=HOLD, u=SPEED, sensors=noisy).simulate(300.0, 1)
+    assert np.std(read[30:]) == pytest.approx(0.01, rel=0.2)  # Once the rudder is amidships
+
+
 def test_late_readings_are_of_the_past() -> None:
     late = [Gnss(1.5, delay=3.0), *SENSORS[1:]]
     assert np.abs(loop(sensors=late).simulate(300.0, 1).y - HOLD).max() < 4.0
