@@ -111,3 +111,5 @@ def test_a_rudder_that_counts_the_other_way_is_found_before_the_fit(cli, folder:
     assert code == 2
     assert "rudder" in err
     assert "--unchecked" in err
+    # A model without a prior is refused before the log is checked.
+    assert "--spread 0.1" in cli("learn", folder / "ship.toml", folder / "turned.csv")[2]

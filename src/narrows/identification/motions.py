@@ -162,7 +162,7 @@ class ForceRows:
         forces: Sequence[str], noise: np.ndarray | None = None,
     ) -> None:  # fmt: skip
         self.problem, self.names, self.forces, self.count = problem, equations.columns, tuple(forces), len(forces)
-        sums = equations.by_test(equations.unweighted)
+        sums = equations.of_each_test
         total, y = np.diag(sums.sum(axis=0)), np.array([equations.columns[force] for force in forces])
         # (forces,) Root mean square of each force, and variance of a row of one run by the noise within it.
         self.level = np.sqrt(np.maximum(total[y] / total[equations.columns[ONE]], 1e-300))
@@ -283,8 +283,7 @@ def row_blocks(equations: NormalEquations, motions: DistinctMotions) -> Blocks:
     """Blocks of rows by sums of products of tests, the same for every force; exact copies of a test count once."""
     from scipy.linalg import helmert
 
-    sums = equations.by_test(equations.unweighted)
-    position = {name: i for i, name in enumerate(equations.names)}
+    sums, position = equations.of_each_test, {name: i for i, name in enumerate(equations.names)}
     basis = np.unique([i for name, i in equations.columns.items() if not _is_measured(name)])
     one, total = equations.columns[ONE], sums.sum(axis=0)
     usual = np.sqrt(np.maximum(np.diag(total)[basis], 0.0) / total[one, one])

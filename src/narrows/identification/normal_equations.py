@@ -183,6 +183,11 @@ class NormalEquations:
     def total(self) -> np.ndarray:
         return np.asarray(self.sums.sum(axis=0))
 
+    @cached_property
+    def of_each_test(self) -> np.ndarray:
+        """The sums of rows of each test, every row counted once, (tests, m, m)."""
+        return self.by_test(self.unweighted)
+
     @property
     def names(self) -> tuple[str, ...]:
         return tuple(dict.fromkeys(self.tests))
