@@ -56,6 +56,15 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     return run
 
 
+class ForceColumns(NamedTuple):
+    """Columns that the blocks of one force need: a product of half of all columns takes a quarter of the time."""
+
+    blocks: slice
+    columns: np.ndarray  # (k,) Columns that are not zero in all of them
+    places: np.ndarray  # (k, k) Places of their products in the flattened matrix of all columns
+    data: np.ndarray  # (blocks, size, k + 1) These columns, then measured values
+
+
 class Conditional(NamedTuple):
     log_density: float  # Log posterior density of the scales, up to a constant
     mean: np.ndarray  # (p + q,)
@@ -78,6 +87,7 @@ class MixedModel:
     prior: np.ndarray  # (scales,) Scale of each half-t prior
     freedom: np.ndarray  # (scales,) Degrees of freedom of each prior; with many it is half-normal
     absorbed: np.ndarray  # (p, q) Part of each effect that a coefficient of the best-fitting terms absorbs
+    forces: int = 1  # Number of forces; each has as many blocks, one after the other
     confounding_scales: tuple[int, ...] = ()  # Scales of effects that may replace a coefficient
     multiples: tuple[int, ...] = ()  # Scales that are multiples of a global one, the last
 
@@ -86,52 +96,86 @@ class MixedModel:
         return int(self.absorbed.shape[0])
 
     @cached_property
-    def _blocks(self) -> list[tuple[np.ndarray, ...]]:
-        """Columns and measured values, ``shared``, ``independent``, ``noise``, (blocks, size, ...), for each size."""
-        sizes, parts = np.diff(self.starts, append=len(self.y)), (np.column_stack([self.x, self.y]), self.shared)
-        indices = [self.starts[sizes == size, None] + np.arange(size) for size in np.unique(sizes)]
-        return [tuple(part[rows] for part in (*parts, self.independent, self.noise)) for rows in indices]
+    def _rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of each block, and which are its own: short ones are filled up, (blocks, size)."""
+        sizes = np.diff(self.starts, append=len(self.y))
+        within = np.arange(sizes.max()) < sizes[:, None]
+        return np.where(within, self.starts[:, None] + np.arange(sizes.max()), 0), within
+
+    def _filled(self, part: np.ndarray) -> np.ndarray:
+        rows, within = self._rows
+        return np.where(within[..., None], part[rows], 0.0)
+
+    @cached_property
+    def _errors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``shared`` and ``independent``, (blocks, size, errors), and ``noise`` of each row, 1 where there is none."""
+        rows, within = self._rows
+        return self._filled(self.shared), self._filled(self.independent), np.where(within, self.noise[rows], 1.0)
+
+    @cached_property
+    def _columns(self) -> list[ForceColumns]:
+        each, found = len(self.starts) // self.forces, []
+        for first in range(0, len(self.starts), each):
+            blocks = slice(first, first + each)
+            x, y = self._filled(self.x)[blocks], self._filled(self.y[:, None])[blocks]
+            used = np.flatnonzero(x.any(axis=(0, 1)))
+            places, data = used[:, None] * x.shape[2] + used, np.concatenate([x[..., used], y], axis=2)
+            found.append(ForceColumns(blocks, used, places, data))
+        return found
+
+    def _whitening(self, variances: np.ndarray) -> np.ndarray:
+        """Return the inverse Cholesky factors of the covariances of blocks, (blocks, size, size)."""
+        shared, independent, noise = self._errors
+        v = (shared * variances) @ shared.swapaxes(1, 2)
+        np.einsum("bii->bi", v)[...] += noise + independent @ variances
+        return np.linalg.inv(np.linalg.cholesky(v))
 
     def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         """Solve for coefficients and effects at given scales: generalised least squares."""
-        p, scale = self.fixed, self.scales(z)
-        roots = [_whitening(scale[: self.shared.shape[1]] ** 2, *block[1:]) for block in self._blocks]
-        white = [root @ block[0] for root, block in zip(roots, self._blocks, strict=True)]
-        flat = np.concatenate([part.reshape(-1, part.shape[2]) for part in white])
-        h = flat.T @ flat
+        p, count, scale = self.fixed, self.x.shape[1], self.scales(z)
+        root = self._whitening(scale[: self.shared.shape[1]] ** 2)
+        h, right, white = np.zeros(count**2), np.zeros(count), []
+        for force in self._columns:
+            white.append(root[force.blocks] @ force.data)
+            flat = white[-1].reshape(-1, white[-1].shape[2])
+            products = flat.T @ flat
+            h[force.places] += products[:-1, :-1]
+            right[force.columns] += products[:-1, -1]
         # In units of their standard deviations, so that the matrix stays well conditioned.
-        unit = np.concatenate([1 / np.sqrt(np.diag(h)[:p] + RIDGE), scale[self.group]])
-        precision = np.concatenate([RIDGE * unit[:p] ** 2, np.ones(len(self.group))])
-        inverse, logs = _inverse(h[:-1, :-1] * np.outer(unit, unit) + np.diag(precision))
-        inverse *= np.outer(unit, unit)
-        beta = inverse @ h[:-1, -1]
+        unit = np.concatenate([1 / np.sqrt(h[:: count + 1][:p] + RIDGE), scale[self.group]])
+        precision, units = np.concatenate([RIDGE * unit[:p] ** 2, np.ones(len(self.group))]), np.outer(unit, unit)
+        matrix = h.reshape(count, count) * units
+        np.einsum("ii->i", matrix)[...] += precision
+        inverse, logs = _inverse(matrix)
+        inverse *= units
+        beta = inverse @ right
         # By residuals and effects: a difference of large sums would be mostly rounding for nearly collinear columns.
-        residual = flat[:, -1] - flat[:, :-1] @ beta
-        quadratic = residual @ residual + (precision * (beta / unit) ** 2).sum() + z @ z
-        logs += np.log(unit[:p]).sum() + sum(np.log(np.diagonal(root, axis1=1, axis2=2)).sum() for root in roots)
-        slope = self._gradient(z, scale, beta, inverse, roots, white) if gradient else np.zeros(0)
+        quadratic = (precision * (beta / unit) ** 2).sum() + z @ z
+        for force, part in zip(self._columns, white, strict=True):
+            part[..., -1] -= part[..., :-1] @ beta[force.columns]
+            quadratic += (part[..., -1] ** 2).sum()
+        logs += np.log(unit[:p]).sum() + np.log(np.einsum("bii->bi", root)).sum()
+        slope = self._gradient(z, scale, beta, inverse, root, white) if gradient else np.zeros(0)
         return Conditional(float(logs - 0.5 * quadratic), beta, inverse, slope)
 
     def _gradient(
-        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, roots: list[np.ndarray],
+        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, root: np.ndarray,
         white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
         """Return the gradient of the log posterior, by the identities of restricted maximum likelihood."""
-        p, errors = self.fixed, self.shared.shape[1]
+        p, (shared, independent, _) = self.fixed, self._errors
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
-        for (_, shared, apart, _), root, block in zip(self._blocks, roots, white, strict=True):
-            back = root.swapaxes(1, 2)
-            solved = back @ block
-            solved[..., -1] -= solved[..., :-1] @ beta  # Residuals
+        back = root.swapaxes(1, 2)
+        excess = -back @ root
+        for force, part in zip(self._columns, white, strict=True):
+            solved = back[force.blocks] @ part  # Its last column are residuals.
             # One product of two large matrices, not one for each block.
-            rows = solved.reshape(-1, block.shape[2])
-            spread = np.column_stack([rows[:, :-1] @ inverse, rows[:, -1]])
-            excess = spread.reshape(block.shape) @ solved.swapaxes(1, 2) - back @ root
-            alone = np.diagonal(excess, axis1=1, axis2=2)
-            slope[:errors] += scale[:errors] ** 2 * (
-                ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
-            )
+            rows = solved.reshape(-1, part.shape[2])
+            spread = np.column_stack([rows[:, :-1] @ inverse.ravel()[force.places], rows[:, -1]])
+            excess[force.blocks] += spread.reshape(part.shape) @ solved.swapaxes(1, 2)
+        moved = ((excess @ shared) * shared).sum(axis=(0, 1)) + np.einsum("bii,bie->e", excess, independent)
+        slope[: len(moved)] += scale[: len(moved)] ** 2 * moved
         slope[-1:] += slope[list(self.multiples)].sum()
         # Derivative of the logarithm of each scale to its coordinate: normal density over half-t density.
         ratio = self._ratio(z)
@@ -165,13 +209,6 @@ class MixedModel:
         return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-np.maximum(z, NO_SCALE))))
 
 
-def _whitening(variances: np.ndarray, shared: np.ndarray, apart: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Return the inverse Cholesky factors of the covariances of blocks, (blocks, rows, rows)."""
-    v, places = (shared * variances) @ shared.swapaxes(1, 2), np.arange(noise.shape[1])
-    v[:, places, places] += noise + apart @ variances
-    return np.linalg.inv(np.linalg.cholesky(v))
-
-
 def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
     """Return the inverse of a matrix of unit diagonal, and half the logarithm of the inverse's determinant."""
     from scipy.linalg import lapack
@@ -182,8 +219,10 @@ def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
         values, vectors = np.linalg.eigh(m)
         values = np.maximum(values, 1e-10)
         return (vectors / values) @ vectors.T, -0.5 * np.log(values).sum()
-    half = np.tril(lapack.dpotri(lower, lower=1)[0])
-    return half + np.tril(half, -1).T, -np.log(np.diag(lower)).sum()
+    half = lapack.dpotri(lower.T)[0]  # Its lower triangle stays empty.
+    inverse = half + half.T
+    np.einsum("ii->i", inverse)[...] /= 2
+    return inverse, -np.log(np.diag(lower)).sum()
 
 
 @dataclass(frozen=True)

@@ -285,6 +285,7 @@ def assemble(
         prior=np.array(list(priors.values())),
         freedom=np.array([FREEDOM.get(name, 3.0) for name in priors]),
         absorbed=_absorbed(rows, x, effects),
+        forces=rows.count,
         confounding_scales=tuple(places[name] for name in RIVALS if name in places),
         multiples=hull if len(hull) > 1 else (),
     )  # fmt: skip
