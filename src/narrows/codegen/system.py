@@ -79,7 +79,8 @@ class System:
         return (self.trace.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
-        scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
+        given = (values.get(name, 0.0) for name in self.parameters)
+        scalar = all(type(value) is float or np.size(value) == 1 for value in given)
         functions = self.scalar if scalar else self.columns
         return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
 
@@ -148,6 +149,13 @@ def _derivatives(system: System, *parts: Any) -> Mapping[str, Any]:
     return system._executed("jacobian", column_functions(), *parts)
 
 
+def single(number: Number) -> Number:
+    """Return the one number of a column of one as a float, and all else as it is."""
+    if type(number) is float:  # Asking an array for its size takes ten times as long.
+        return number
+    return float(np.ravel(number)[0]) if np.size(number) == 1 else number
+
+
 def _evaluated(
     constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
 ) -> tuple[Number, ...]:
@@ -156,13 +164,13 @@ def _evaluated(
     for name in parameters:
         if known.get(name) is None:
             raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
-    numbers = [np.ravel(known[name])[0] if np.size(known[name]) == 1 else known[name] for name in parameters]
+    numbers = (single(known[name]) for name in parameters)
     with np.errstate(all="ignore"):
         try:
-            result = constants(*(float(number) if np.ndim(number) == 0 else number for number in numbers))
+            result = constants(*numbers)
         except (ZeroDivisionError, OverflowError):
             result = (math.nan,)
-    if not all(np.isfinite(value).all() for value in result):
+    if not all(math.isfinite(value) if type(value) is float else np.isfinite(value).all() for value in result):
         raise InputError(
             "the mass matrix cannot be inverted; check that the coefficients are finite and those of inertia "
             "not zero, and where surge is free give surge_inertia"

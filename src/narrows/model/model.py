@@ -323,19 +323,20 @@ class Model(Configured, Operations):
     @property
     def mass_matrix(self) -> np.ndarray:
         """Mass and added mass of the terms against accelerations of u, v and r: (3, 3) [kg, kg m, kg m2]."""
-        still = self._values(Motion.at(u=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
-
-        def resisted(terms: tuple[Term, ...], rate: str) -> float:
-            pushed = {**still, rate: 1.0}
-            return float(sum(self.coefficients[one.name] * (one.column(still) - one.column(pushed)) for one in terms))
-
-        forces = self.terms.forces.values()
-        return np.array([[resisted(terms, rate) for rate in ACCELERATIONS.values()] for terms in forces])
+        return np.array(
+            [[self._resisted(force, rate) for rate in ACCELERATIONS.values()] for force in self.terms.forces]
+        )
 
     @property
     def surge_inertia(self) -> float:
         """Inertia of the terms against a surge acceleration [kg]."""
-        return float(self.mass_matrix[0, 0])
+        return self._resisted("X", "udot")
+
+    def _resisted(self, force: str, rate: str) -> float:
+        """Return the part of a force that resists a unit of an acceleration."""
+        still = self._values(Motion.at(u=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
+        pushed, terms = {**still, rate: 1.0}, self.terms.forces[force]
+        return float(sum(self.coefficients[one.name] * (one.column(still) - one.column(pushed)) for one in terms))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
         # Not by sum(): from Python 3.12 it compensates floats but not columns, so that they would differ by a rounding.

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import asdict, dataclass, field, fields, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -184,6 +185,10 @@ class Configuration(BaseSummary):
         For every actuator this includes ``<name>_limit`` and ``<name>_rate``, infinite if unknown, and the position
         from its section.
         """
+        return dict(self._values)
+
+    @cached_property
+    def _values(self) -> dict[str, float]:
         named = asdict(self.ship) | asdict(self.canal) | asdict(self.water)
         actuated = (self.gear, *self.parts.values())
         for name in (*(actuator.name for actuator in STANDARD), *(part.POSITION for part in actuated)):
