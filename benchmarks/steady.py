@@ -18,12 +18,8 @@ from narrows.identification.fitting import bundled_ship
 from narrows.logbook.steady_readings import reading_error, shared_errors
 
 LENGTH, WIDTH, SPEED, OFFSET = 399.94, 205.0, 4.1, 5.0
-CONDITIONS = nw.SteadyConditions(
-    wind_change=0.0, heading_zero_deg=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0
-)
+CONDITIONS = nw.SteadyConditions(wind_change=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)
 FREE = ("b_bank", "c_bank", "b_ur", "c_ur", "b_uv", "c_uv", "b_helm", "c_helm")
-SHARED = (0, 1, 2, 3, 5)
-"""Wind, and zeros of rudder, drift and offset."""
 
 
 def ship() -> nw.Model:
@@ -57,11 +53,11 @@ def searched(model: nw.Model, legs: dict[str, np.ndarray]) -> np.ndarray:
     """The most likely coefficients, all unknowns free."""
     index = [model.terms.names.index(name) for name in FREE]
     root = np.linalg.cholesky(model.covariance[np.ix_(index, index)])
-    mean, shared = np.array([model[name] for name in FREE]), shared_errors(CONDITIONS, model)[list(SHARED)]
+    mean, shared = np.array([model[name] for name in FREE]), shared_errors(CONDITIONS, model)
     error = {name: reading_error(nw.SteadyConditions(), name) for name in ("y", "u", "rudder", "drift")}
 
     def misfit(x: np.ndarray) -> np.ndarray:
-        theta, common, place = np.split(x, [len(FREE), len(FREE) + len(SHARED)])
+        theta, common, place = np.split(x, [len(FREE), len(FREE) + len(shared)])
         truth = model.with_coefficients(**dict(zip(FREE, (mean + root @ theta).tolist(), strict=True)))
         (east, turn, rudder, drift, aside), (y, u) = shared * common, place.reshape(2, -1)
         held = courses(truth, legs["y"] + error["y"] * y - aside, legs["u"] + error["u"] * u, Y=east, N=turn)
@@ -71,7 +67,7 @@ def searched(model: nw.Model, legs: dict[str, np.ndarray]) -> np.ndarray:
         )
         return np.concatenate([x, *off])
 
-    best = least_squares(misfit, np.zeros(len(FREE) + len(SHARED) + 2 * len(legs["y"])))
+    best = least_squares(misfit, np.zeros(len(FREE) + len(shared) + 2 * len(legs["y"])))
     return mean + root @ best.x[: len(FREE)]
 
 

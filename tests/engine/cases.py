@@ -14,7 +14,7 @@ from narrows.model.tables import table_named
 from narrows.simulation.controllers import CONTROLLERS, ControlLaw
 from narrows.waterway import Bank, Centreline, Waterway
 
-STEPS = {"paper": 0.02, "steered": 0.01, "mmg+delta": 0.02}
+STEPS = {"paper": 0.02, "steered": 0.01, "mmg+delta": 0.0125}
 """Of the control law and of Runge-Kutta [s], short enough for times to 3e-7 s."""
 ENDURANCE = {"paper": 25.0, "steered": 25.01, "mmg+delta": 30.01}
 """Longest time [s]; two of them no multiple of the step."""

@@ -22,12 +22,12 @@ import narrows as nw
 model = nw.published("mikkelsen2025_dtc")
 nw.simulate(model, y=0.5, duration=1.0)
 plain = not {"sympy", "numba"} & set(sys.modules)
-ends = nw.ensemble(model, y=0.5, duration=40.0)
+slopes = nw.sensitivities(model, by=("y",), y=0.5, duration=1.0).of("y", "y")
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.kernels import queue
-stats = compiled_loops(queue).integrate_fleet.stats
+from narrows.codegen.kernels import loops
+stats = compiled_loops(loops).integrate.stats
 hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
-print(plain, "sympy" in sys.modules, hits, misses, ends["distance"].item().hex())
+print(plain, "sympy" in sys.modules, hits, misses, slopes[-1].hex())
 """
 VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
 
@@ -57,7 +57,7 @@ def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path
     plain, with_sympy, hits, misses, x = said(started(tmp_path, "3"))
     assert (plain, with_sympy, hits, misses) == ("True", "False", "1", "0")
     assert first[-1] == second[-1] == x
-    parts = ["bank", "event", "kernel", "plain", "queue"]
+    parts = ["loops", "plain", "plain", "tangent"]
     assert sorted(name.partition("_")[0] for name in files) == parts
     assert files == {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
 

@@ -254,7 +254,10 @@ def test_a_prepared_run_called_again_gives_the_same() -> None:
 @pytest.mark.parametrize("name", [*TABLES, "pilot in a waterway"])
 @pytest.mark.slow
 def test_a_block_is_stepped_by_vectors(name: str) -> None:
-    """No lane on its own: the step divides packed numbers only, and calls no exponential."""
+    """No lane on its own: the step divides packed numbers only, and calls no exponential.
+
+    But one quotient in a waterway, the cell of a table from which a processor without AVX-512 reads lane by lane.
+    """
     if name in TABLES:
         prepared = fleet(SimulatedShip(model_of(TABLES[name])), y=0.5).prepared
     else:
@@ -264,7 +267,7 @@ def test_a_block_is_stepped_by_vectors(name: str) -> None:
     code, machine = optimised(prepared.kernel, "step")
     assembly = machine.emit_assembly(code)
     assert "divpd" in assembly
-    assert "divsd" not in assembly
+    assert assembly.count("divsd") <= (0 if name in TABLES else 4)
     assert "exp" not in [line.split()[-1].lstrip("$") for line in assembly.splitlines() if "call" in line]
 
 

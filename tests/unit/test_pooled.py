@@ -1,7 +1,7 @@
 """Tests at several depths together: hulls of their own, one bank, and whether it changes."""
 
 import json
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -15,11 +15,6 @@ from narrows.model.additions import pooled
 from narrows.model.tables import table_named
 
 DEPTHS = (0.246, 0.3075, 0.41)
-
-
-@pytest.fixture(scope="module")
-def kcs() -> nw.Fit:
-    return nw.identify(nw.measured_tests("kcs"), pool="depth")
 
 
 def made(bank: tuple[float, float], seed: int = 0) -> nw.CaptiveTests:
@@ -59,25 +54,42 @@ def test_between_depths_hulls_are_linear() -> None:
     assert table["b_v@0.246"].column({"v": -1.0, "depth": 0.1}) == 1.0
 
 
-def test_a_model_of_several_depths_is_kept_in_a_file(kcs: nw.Fit, tmp_path) -> None:
-    path = tmp_path / "kcs.toml"
-    kcs.model.save(path)
+@cache
+def alike() -> nw.Fit:
+    """Twins whose bank is the same at both depths, together."""
+    return nw.identify(made((1.0, 1.0)), pool="depth")
+
+
+@cache
+def alone() -> list[nw.Fit]:
+    tests = made((1.0, 1.0))
+    return [nw.identify(tests.where([name.endswith(depth) for name in tests.names])) for depth in (" 0.4", " 0.25")]
+
+
+def test_a_model_of_several_depths_is_kept_in_a_file(tmp_path) -> None:
+    path = tmp_path / "twins.toml"
+    alike().model.save(path)
     again = nw.load_model(path)
-    assert again.terms.name == "paper@0.246,0.3075,0.41"
-    assert again.coefficients == kcs.coefficients
-    assert table_named("paper@0.246,0.3075,0.41").names == kcs.terms.names
+    assert again.terms.name == "paper@0.25,0.4"
+    assert again.coefficients == alike().coefficients
+    assert table_named("paper@0.25,0.4").names == alike().terms.names
 
 
-def test_hulls_are_those_of_each_depth(kcs: nw.Fit, kcs_fits: dict[int, nw.Fit]) -> None:
+def test_hulls_are_those_of_each_depth() -> None:
+    for fit, depth in zip(alone(), (0.4, 0.25), strict=True):
+        assert alike().coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.04)
+    assert len(alike().motions) == sum(len(fit.motions) for fit in alone())
+
+
+def test_hulls_of_the_kcs_are_those_of_each_depth(kcs_fits: dict[int, nw.Fit]) -> None:
+    kcs = nw.identify(nw.measured_tests("kcs"), pool="depth")
     for fit, depth in zip(kcs_fits.values(), (0.41, 0.3075, 0.246), strict=True):
         assert kcs.coefficients[f"c_rdot@{depth:g}"] == pytest.approx(fit.coefficients["c_rdot"], rel=0.04)
     assert len(kcs.motions) == 36
 
 
 def test_the_bank_is_better_known_by_both_depths() -> None:
-    tests = made((1.0, 1.0))
-    alone = [nw.identify(tests.where([depth in name for name in tests.names])) for depth in (" 0.4", " 0.25")]
-    assert nw.identify(tests, pool="depth").std["b_bank"] < 0.9 * min(fit.std["b_bank"] for fit in alone)
+    assert alike().std["b_bank"] < 0.9 * min(fit.std["b_bank"] for fit in alone())
 
 
 def test_the_bank_of_the_kcs_is_better_known_by_all_depths(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,7 +101,7 @@ def test_the_bank_of_the_kcs_is_better_known_by_all_depths(monkeypatch: pytest.M
 
 
 def test_whether_the_bank_changes_with_depth_is_tested() -> None:
-    same, other = (nw.identify(made(bank), pool="depth") for bank in ((1.0, 1.0), (1.0, 2.0)))
+    same, other = alike(), nw.identify(made((1.0, 2.0)), pool="depth")
     assert isinstance(same.depth_tests["b_bank"], DepthTest)
     assert not same.depth_tests["b_bank"].changes
     assert other.depth_tests["b_bank"].changes

@@ -37,6 +37,10 @@ def test_page_needs_nothing_else(page: str) -> None:
     assert len(page) < 4_000_000
 
 
+def test_the_answer_stands_below_the_first_figure_and_above_the_table(page: str) -> None:
+    assert page.index("<figure") < page.index("The tests do not determine the bank") < page.index(">verdict</th>")
+
+
 def test_page_says_everything(page: str, kcs_fits: dict[int, nw.Fit]) -> None:
     text = unescape(re.sub(r"<[^>]+>", "", page.replace("</summary>", ": ")))  # A sentence opens at its colon.
     for name, verdict in kcs_fits[100].verdicts.items():
