@@ -128,7 +128,7 @@ def test_an_estimator_follows_a_current_across_that_it_is_not_told_of() -> None:
     """Its fixes are believed, and the offset from the line is as certain as the estimate has it."""
     model = nw.published("estimated_kcs")
     turning = canal(current_across=[(0.0, 0.0), (900.0, 0.3), (1800.0, -0.3), (LENGTH, 0.0)])
-    helm, told = nw.control.regulator(model, 0.0, 4.0), {"x": 150.0, "y": 0.0, "u": 4.0, "duration": 700.0, "dt": 1.0}
+    helm, told = nw.control.regulator(model, 0.0, 4.0), {"x": 150.0, "y": 0.0, "u": 4.0, "duration": 450.0, "dt": 1.0}
     voyage = nw.simulate(model, **told, waterway=turning, controller=helm)
     kinds, random = nw.estimation, np.random.default_rng(3)
     sensors = [kinds.Gnss(), kinds.Gyro(0.0035), kinds.RateOfTurn(5e-4), kinds.Log(), kinds.RudderIndicator()]
