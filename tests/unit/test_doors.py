@@ -41,25 +41,31 @@ def test_integers_without_end_in_ship_files(number: str, key: str, tmp_path: Pat
     assert str(path) in sentence(lambda: nw.read_ship(path))
 
 
-def spoilt(tmp_path: Path, old: str, new: str) -> Path:
-    path = tmp_path / "model.toml"
+@pytest.fixture(scope="module")
+def good(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The text of a model's file."""
+    path = tmp_path_factory.mktemp("good") / "model.toml"
     nw.save_model(nw.identify(short_twin()).model, path)
-    text = path.read_text()
-    assert old in text
-    path.write_text(text.replace(old, new, 1))
+    return path.read_text()
+
+
+def spoilt(good: str, tmp_path: Path, old: str, new: str) -> Path:
+    path = tmp_path / "model.toml"
+    assert old in good
+    path.write_text(good.replace(old, new, 1))
     return path
 
 
 @pytest.mark.parametrize("number", DIGITS.values(), ids=DIGITS)
 @pytest.mark.parametrize("key", ["b_v = ", "speed = [", "matrix = [", "width = "])
-def test_integers_without_end_in_model_files(number: str, key: str, tmp_path: Path) -> None:
-    path = spoilt(tmp_path, key, f"{key}{number}{',' if key.endswith('[') else ' #'}")
+def test_integers_without_end_in_model_files(number: str, key: str, good: str, tmp_path: Path) -> None:
+    path = spoilt(good, tmp_path, key, f"{key}{number}{',' if key.endswith('[') else ' #'}")
     assert str(path) in sentence(lambda: nw.load_model(path))
 
 
 @pytest.mark.parametrize("names", ["[1, ", "[1.5, 'a', ", "[[], ", "[{}, ", "[true, "])
-def test_mixed_names_of_a_covariance(names: str, tmp_path: Path) -> None:
-    path = spoilt(tmp_path, "names = [", f"names = {names}")
+def test_mixed_names_of_a_covariance(names: str, good: str, tmp_path: Path) -> None:
+    path = spoilt(good, tmp_path, "names = [", f"names = {names}")
     assert "does not have one row and one column for each" in sentence(lambda: nw.load_model(path))
 
 
