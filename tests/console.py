@@ -76,7 +76,7 @@ def _line(shown: str) -> str:
 def run(command: Command, folder: Path) -> None:
     """Run a command in a folder and hold it to its page."""
     if "your files" in command.comment:
-        shutil.copytree(readers_files(), folder, dirs_exist_ok=True)
+        shutil.copytree(readers_files().name, folder, dirs_exist_ok=True)
     words = shlex.split(command.text, comments=True)
     code, printed = in_fork(words, folder) if words[0] == "narrows" else in_process(words, folder)
     said = f"$ {command.text}\n{printed}"
@@ -125,13 +125,10 @@ def fill(folder: Path) -> None:
 
 
 @cache
-def readers_files() -> Path:
+def readers_files() -> TemporaryDirectory[str]:
     """Return a folder, kept to the end of the run, with the files that a reader brings."""
     import readers_files
 
-    folder = Path(_KEPT.name)
-    readers_files.write(folder)
+    folder = TemporaryDirectory(prefix="narrows-docs-")
+    readers_files.write(Path(folder.name))
     return folder
-
-
-_KEPT = TemporaryDirectory(prefix="narrows-docs-")
