@@ -33,7 +33,7 @@ def write(folder: Path) -> None:
     full = nw.scale_model(model, 230.0, 1025.0, width=300.0, depth=16.2).model
     nw.save_model(full, folder / "full.toml")
     (folder / "held.csv").write_text(HELD)
-    twin = TransitTwin(full, 4.5, 900.0)
+    twin = TransitTwin(full, 4.5, 1800.0)
     # With seed 1 `check_log` finds a delay: in one of twenty logs without a fault it does, by design.
     transits_of(twin, sensor_grade("rtk"), 1, 2).to_csv(folder / "bridge.csv")
     lines = {"centreline": at(0.0), "starboard": at(3.5), "port": at(-3.5)}
