@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding as llvm
 import numpy as np
 import pytest
 
@@ -267,7 +268,8 @@ def test_a_block_is_stepped_by_vectors(name: str) -> None:
     code, machine = optimised(prepared.kernel, "step")
     assembly = machine.emit_assembly(code)
     assert "divpd" in assembly
-    assert assembly.count("divsd") <= (0 if name in TABLES else 4)
+    gathers = llvm.get_host_cpu_features().get("avx512f", False)
+    assert assembly.count("divsd") <= (0 if name in TABLES or gathers else 4)
     assert "exp" not in [line.split()[-1].lstrip("$") for line in assembly.splitlines() if "call" in line]
 
 
