@@ -124,13 +124,11 @@ def test_the_chart_has_a_key_for_white_and_starts_at_the_lowest_speed(found: Env
 
 def test_the_verb(tmp_path: Path, cli) -> None:
     nw.write_waterway(way(), tmp_path / "way.geojson")
-    words = ("envelope", "estimated_kcs", "--waterway", tmp_path / "way.geojson", "--y", "0,30", "--speed", "6kn,9kn",
-             "--samples", 3)  # fmt: skip
-    nw.write_waterway(
-        replace(nw.straight_waterway(ship().canal, 600.0), origin=(5.0, 52.0)), tmp_path / "straight.geojson"
-    )
-    straight = [tmp_path / "straight.geojson" if word == tmp_path / "way.geojson" else word for word in words]
-    code, out, _ = cli(*straight, "--along", "all")
+    straight = replace(nw.straight_waterway(ship().canal, 600.0), origin=(5.0, 52.0))
+    nw.write_waterway(straight, tmp_path / "straight.geojson")
+    few = ("--y", "0,30", "--speed", "6kn,9kn", "--samples", 3)
+    words = ("envelope", "estimated_kcs", *few, "--waterway", tmp_path / "way.geojson")
+    code, out, _ = cli(*words[:-1], tmp_path / "straight.geojson", "--along", "all")
     assert (code, "11 places" in out) == (0, True)
     code, out, err = cli(*words, "--along", "0,2500", "-o", tmp_path / "along.nc", "--plot", tmp_path / "a.png")
     assert code == 0, err

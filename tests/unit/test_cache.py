@@ -17,18 +17,21 @@ from narrows.codegen.free_motion import Choices
 from narrows.codegen.system import System
 
 SAIL = """
+import importlib
 import sys
 import narrows as nw
 model = nw.published("mikkelsen2025_dtc")
 nw.simulate(model, y=0.5, duration=1.0)
-plain = not {"sympy", "numba"} & set(sys.modules)
-slopes = nw.sensitivities(model, by=("y",), y=0.5, duration=1.0).of("y", "y")
+plain = not {{"sympy", "numba"}} & set(sys.modules)
+found = {work}
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.kernels import loops
-stats = compiled_loops(loops).integrate.stats
+loops = importlib.import_module("narrows.codegen.kernels.{module}")
+stats = compiled_loops(loops).{function}.stats
 hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
-print(plain, "sympy" in sys.modules, hits, misses, slopes[-1].hex())
+print(plain, "sympy" in sys.modules, hits, misses, found.hex())
 """
+TANGENT = 'nw.sensitivities(model, by=("y",), y=0.5, duration=1.0).of("y", "y")[-1]', "loops", "integrate"
+FLEET = 'nw.ensemble(model, y=0.5, duration=40.0)["distance"].item()', "queue", "integrate_fleet"
 VALUES = {**(DTC := nw.published("mikkelsen2025_dtc")).configuration.values(), **DTC.coefficients}
 
 
@@ -37,9 +40,10 @@ def system() -> System:
     return System(nw.PAPER, "held", False, Choices())
 
 
-def started(folder: Path, seed: str) -> subprocess.Popen[str]:
+def started(folder: Path, seed: str, work: tuple[str, str, str]) -> subprocess.Popen[str]:
     environment = {**os.environ, "NARROWS_CACHE_DIR": str(folder), "PYTHONHASHSEED": seed}
-    return subprocess.Popen([sys.executable, "-c", SAIL], env=environment, stdout=subprocess.PIPE, text=True)
+    text = SAIL.format(**dict(zip(("work", "module", "function"), work, strict=True)))
+    return subprocess.Popen([sys.executable, "-c", text], env=environment, stdout=subprocess.PIPE, text=True)
 
 
 def said(process: subprocess.Popen[str]) -> list[str]:
@@ -49,15 +53,21 @@ def said(process: subprocess.Popen[str]) -> list[str]:
 
 
 @pytest.mark.slow
-def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("work", "parts"),
+    [(TANGENT, ["loops", "plain", "plain", "tangent"]), (FLEET, ["bank", "event", "kernel", "plain", "queue"])],
+    ids=["tangent", "fleet"],
+)
+def test_two_processes_at_once_then_a_third_that_compiles_nothing(
+    work: tuple[str, str, str], parts: list[str], tmp_path: Path
+) -> None:
     """Different hash seeds: the text does not depend on the order of a set."""
-    both = [started(tmp_path, seed) for seed in ("1", "2")]
+    both = [started(tmp_path, seed, work) for seed in ("1", "2")]
     first, second = (said(process) for process in both)
     files = {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
-    plain, with_sympy, hits, misses, x = said(started(tmp_path, "3"))
+    plain, with_sympy, hits, misses, x = said(started(tmp_path, "3", work))
     assert (plain, with_sympy, hits, misses) == ("True", "False", "1", "0")
     assert first[-1] == second[-1] == x
-    parts = ["loops", "plain", "plain", "tangent"]
     assert sorted(name.partition("_")[0] for name in files) == parts
     assert files == {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
 

@@ -79,10 +79,9 @@ class System:
         return (self.trace.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
-        given = (values.get(name, 0.0) for name in self.parameters)
-        scalar = all(type(value) is float or np.size(value) == 1 for value in given)
-        functions = self.scalar if scalar else self.columns
-        return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, self.parameters, values), strict=True))
+        numbers = _numbers(self.parameters, values)
+        functions = self.scalar if all(type(number) is float for number in numbers) else self.columns
+        return dict(zip(self.scalar.CONSTANTS, _evaluated(functions.constants, numbers), strict=True))
 
     def linearisation(
         self, values: Mapping[str, Number], actuators: Sequence["Actuated"], section: tuple[str, ...] = ()
@@ -91,7 +90,7 @@ class System:
 
         parts = self.table.names, tuple(actuators), section
         scope = _derivatives(self, *parts)
-        constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
+        constants = _evaluated(scope["constants"], _numbers(scope["PARAMETERS"], values))
         compiled = self._module("jacobian", *parts)
         return Linearisation(scope, constants, *parts[:2], compiled, section)
 
@@ -149,22 +148,22 @@ def _derivatives(system: System, *parts: Any) -> Mapping[str, Any]:
     return system._executed("jacobian", column_functions(), *parts)
 
 
-def single(number: Number) -> Number:
-    """Return the one number of a column of one as a float, and all else as it is."""
+def _numbers(parameters: Sequence[str], values: Mapping[str, Number]) -> list[Number]:
+    """Return parameters, those of one number as floats, or name the missing ones."""
+    known = DEFAULTS | dict(values)
+    for name in parameters:
+        if known.get(name) is None:
+            raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
+    return [_single(known[name]) for name in parameters]
+
+
+def _single(number: Number) -> Number:
     if type(number) is float:  # Asking an array for its size takes ten times as long.
         return number
     return float(np.ravel(number)[0]) if np.size(number) == 1 else number
 
 
-def _evaluated(
-    constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
-) -> tuple[Number, ...]:
-    """Evaluate constants from their parameters, or name the missing ones."""
-    known = DEFAULTS | dict(values)
-    for name in parameters:
-        if known.get(name) is None:
-            raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
-    numbers = (single(known[name]) for name in parameters)
+def _evaluated(constants: Callable[..., tuple[Number, ...]], numbers: Sequence[Number]) -> tuple[Number, ...]:
     with np.errstate(all="ignore"):
         try:
             result = constants(*numbers)

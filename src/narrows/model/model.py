@@ -323,18 +323,20 @@ class Model(Configured, Operations):
     @property
     def mass_matrix(self) -> np.ndarray:
         """Mass and added mass of the terms against accelerations of u, v and r: (3, 3) [kg, kg m, kg m2]."""
-        return np.array(
-            [[self._resisted(force, rate) for rate in ACCELERATIONS.values()] for force in self.terms.forces]
-        )
+        still, rates = self._steady_values, ACCELERATIONS.values()
+        return np.array([[self._resisted(still, force, rate) for rate in rates] for force in self.terms.forces])
 
     @property
     def surge_inertia(self) -> float:
         """Inertia of the terms against a surge acceleration [kg]."""
-        return self._resisted("X", "udot")
+        return self._resisted(self._steady_values, "X", "udot")
 
-    def _resisted(self, force: str, rate: str) -> float:
+    @property
+    def _steady_values(self) -> dict[str, Number]:
+        return self._values(Motion.at(u=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
+
+    def _resisted(self, still: dict[str, Number], force: str, rate: str) -> float:
         """Return the part of a force that resists a unit of an acceleration."""
-        still = self._values(Motion.at(u=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
         pushed, terms = {**still, rate: 1.0}, self.terms.forces[force]
         return float(sum(self.coefficients[one.name] * (one.column(still) - one.column(pushed)) for one in terms))
 
