@@ -3,6 +3,8 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
+# Modules are compiled when they are first imported: to compile all of them takes two minutes of an installation.
+INSTALL := -m pip install --quiet --no-compile
 
 .PHONY: check demo test test-fast test-whole lint docs site-check bench package newest newest-whole lock clean
 
@@ -28,8 +30,8 @@ lint: .venv/dev
 
 # What CI runs: the demo, lint, types, the import contracts, the package, the newest Python, the site's pages and links, the
 # tests with README, docs, examples and small benchmarks.
-check: .venv/dev .venv/docs .venv/package .venv/zig
-	$(MAKE) -j2 --output-sync=target demo lint package newest site-check
+check: .venv/dev
+	$(MAKE) -j2 --output-sync=target .venv/zig package site-check lint demo newest
 	$(MAKE) test
 
 # The site, in out/site; it takes minutes, for its pages are run.
@@ -41,19 +43,19 @@ site-check: .venv/docs
 	$(BIN)/sphinx-build --quiet -t unrun --fresh-env --fail-on-warning --keep-going docs out/site-check
 
 bench: .venv/dev
-	$(BIN)/python -m pip install --quiet 'pip>=25.1'
-	$(BIN)/python -m pip install --quiet --group bench
+	$(BIN)/python $(INSTALL) 'pip>=25.1'
+	$(BIN)/python $(INSTALL) --group bench
 	for work in $(filter-out benchmarks/common.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$work || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
 	@$(PYTHON) requirements/check_machine.py
 	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/base.txt
-	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
+	$(BIN)/python $(INSTALL) --require-hashes -r requirements/base.txt
+	$(BIN)/python $(INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $@
 
 .venv/dev: .venv/base requirements/dev.txt
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/dev.txt
+	$(BIN)/python $(INSTALL) --require-hashes -r requirements/dev.txt
 	@touch $@
 
 # Builds sdist and wheel from it, and installs each into an empty environment where the demo must run.
@@ -70,16 +72,16 @@ newest-whole:
 
 .venv/package: .venv/base requirements/package.txt
 	$(PYTHON) -m venv .venv/tools
-	.venv/tools/bin/python -m pip install --quiet --require-hashes -r requirements/package.txt
+	.venv/tools/bin/python $(INSTALL) --require-hashes -r requirements/package.txt
 	@touch $@
 
 .venv/docs: .venv/base requirements/docs.txt
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/docs.txt
+	$(BIN)/python $(INSTALL) --require-hashes -r requirements/docs.txt
 	@touch $@
 
 # What builds FMUs and pages for any machine; 80 MB.
 .venv/compiler: .venv/docs requirements/compiler.txt
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/compiler.txt
+	$(BIN)/python $(INSTALL) --require-hashes -r requirements/compiler.txt
 	@touch $@
 
 # Needs uv; writes the locked requirements anew.
@@ -100,7 +102,7 @@ lock:
 
 # The same beside the environment, for the tests of WebAssembly alone: FMUs are then built for this machine, in seconds.
 .venv/zig: .venv/base requirements/compiler.txt
-	$(BIN)/python -m pip install --quiet --require-hashes --upgrade --target $@ -r requirements/compiler.txt
+	$(BIN)/python $(INSTALL) --require-hashes --upgrade --target $@ -r requirements/compiler.txt
 	@touch $@
 
 clean:

@@ -121,4 +121,6 @@ def mirrored_law(law: ControlLaw | None) -> ControlLaw | None:
         return replace(law, rudder=-law.rudder)
     if isinstance(law, nw.Autopilot):
         return replace(law, y=-law.y, rudder=-law.rudder, psi=-law.psi, v=-law.v)
+    if isinstance(law, nw.PID):
+        return replace(law, psi=-law.psi)
     return None if law is None else Mirrored(law)

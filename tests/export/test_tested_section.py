@@ -69,32 +69,35 @@ CHANGED = ({}, {"width": 6.0}, {"depth": 0.22}, {"width": 6.5, "beam": 0.55, "dr
 
 @needs_compiler
 @pytest.mark.parametrize(
-    ("curved", "changed"), [*((False, one) for one in CHANGED), (True, {}), (True, {"beam": 0.55, "draft": 0.2})]
+    ("curved", "changes"), [(False, CHANGED), (True, ({}, {"beam": 0.55, "draft": 0.2}))], ids=["canal", "waterway"]
 )
-def test_the_section_at_the_place_of_the_ship(curved: bool, changed: dict[str, float], tmp_path: Path) -> None:
+def test_the_section_at_the_place_of_the_ship(curved: bool, changes: Any, tmp_path: Path) -> None:
     """In C, Python and JavaScript, along a waterway and in the model's canal, also after a change of parameters."""
     model, at = replace(model_of("steered"), data_range=SECTION), states("steered", 60, x=60.0)
     water, section = {"waterway": bent("steered")} if curved else {}, {}
     if curved:
         section = along_waterway(bent("steered"), model, "corners").section(at[:, 0])
-    right = bits_of(model, {**section, **changed}, at[:, 4])
+    right = [bits_of(model, {**section, **changed}, at[:, 4]).tolist() for changed in changes]
     compiled = CompiledShip(model, tmp_path, **water)
-    known = fields((tmp_path / "ship.h").read_text(encoding="utf-8"), "parameters")
-    for name, value in changed.items():
-        compiled.parameters[known.index(name)] = value
-    compiled.set()
-    assert [compiled.library.beyond(pointer(state)) & BITS for state in at.copy()] == right.tolist()
+    known, usual = fields((tmp_path / "ship.h").read_text(encoding="utf-8"), "parameters"), compiled.parameters.copy()
     nw.export.write(model, tmp_path / "ship.py", **water)
-    module = runpy.run_path(str(tmp_path / "ship.py"))
-    vars(module["MODEL"]).update(changed)
-    constants = module["prepare"](module["MODEL"])
-    assert (module["beyond"](at.T, constants, module.get("CANAL")) & BITS).tolist() == right.tolist()
+    for changed, bits in zip(changes, right, strict=True):
+        compiled.parameters[:] = usual
+        for name, value in changed.items():
+            compiled.parameters[known.index(name)] = value
+        compiled.set()
+        assert [compiled.library.beyond(pointer(state)) & BITS for state in at.copy()] == bits
+        module = runpy.run_path(str(tmp_path / "ship.py"))
+        vars(module["MODEL"]).update(changed)
+        constants = module["prepare"](module["MODEL"])
+        assert (module["beyond"](at.T, constants, module.get("CANAL")) & BITS).tolist() == bits
     if NODE is None:
         pytest.skip("no node is here to run the exported module")
     nw.export.write(model, tmp_path / "ship.mjs", **water)
-    (tmp_path / "run.mjs").write_text(IN_NODE % (json.dumps(changed), json.dumps(at.tolist())), encoding="utf-8")
-    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert [bits & BITS for bits in json.loads(done.stdout)] == right.tolist()
+    for changed, bits in zip(changes, right, strict=True):
+        (tmp_path / "run.mjs").write_text(IN_NODE % (json.dumps(changed), json.dumps(at.tolist())), encoding="utf-8")
+        done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        assert [own & BITS for own in json.loads(done.stdout)] == bits
 
 
 def test_every_bit_of_the_section_is_seen_by_these_tests() -> None:

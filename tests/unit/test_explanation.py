@@ -98,10 +98,10 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     assert {"kkt", "influence"} <= set(told["these_tests"])
 
 
-def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path) -> None:
+def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path, kcs_fits: dict[int, nw.Fit]) -> None:
     table, ship = measured_files("kcs")
     model = tmp_path / "m.toml"
-    cli("identify", table, "--ship", ship, "--condition", "C0101A01", "-o", model)
+    kcs_fits[100].model.save(model)
     code, _, err = cli("explain", model, table, "--ship", ship)
     assert code == 2
     assert "choose one with --condition C0101A01" in err

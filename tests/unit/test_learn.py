@@ -84,7 +84,7 @@ def test_the_log_of_another_ship_is_said_to_be_one_before_anything_is_learned(ra
     """Of the same form and of another length."""
     other = nw.scale_model(kvlcc2(), ratio * kvlcc2().ship.length).model
     law, free = nw.Zigzag(20 * D, 20 * D), {"contact": "none", "surge": "free"}
-    voyage = nw.simulate(other, u=7.0, duration=900.0, dt=1.0, controller=law, **free)
+    voyage = nw.simulate(other, u=7.0, duration=450.0, dt=1.0, controller=law, **free)
     turns = np.full(len(voyage), other.configuration.propeller.revolutions)
     told = {name: nw.Signal(voyage.t, voyage[name]) for name in MANOEUVRES} | {
         "revolutions": nw.Signal(voyage.t, turns)

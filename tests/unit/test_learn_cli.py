@@ -23,7 +23,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     mistaken().save(folder / "ship.toml")
     nw.ShipLog(tuple(record.between(0.0, 300.0) for record in records()[:2])).to_csv(folder / "zigzags.csv")
     nw.ShipLog((seldom(records()[0].between(0.0, 300.0)),)).to_csv(folder / "seldom.csv")
-    t = np.arange(0.0, 900.0, 2.0)
+    t = np.arange(0.0, 904.0, 4.0)
     speed = 7.0 + 0.0 * t
     told = {"x": 7.0 * t, "y": 0 * t, "psi": 0 * t, "r": 0 * t, "u": speed, "rudder": 0 * t}
     noise = np.random.default_rng(0)

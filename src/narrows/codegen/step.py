@@ -164,7 +164,7 @@ def _orders(
         known["current"] = lines.put("current_seen", along)
     inputs = {name: known.get(name, real(name)) for name in choices.law.trace.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in free_motion.WATER.items()}
-    results = choices.law.trace.replay(inputs, exact_number, {**FUNCTIONS, **water})
+    results = choices.law.trace.replay(inputs, exact_number, {**FUNCTIONS, **water}, lines.put)
     moves: dict[str, Expr] = {}
     out: dict[str, Expr] = {}
     for actuator in choices.law.ordered:

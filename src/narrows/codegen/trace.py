@@ -6,6 +6,7 @@ second run finds the compiled form without SymPy. Replaying it with floats, colu
 
 import math
 import operator
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partialmethod
@@ -117,21 +118,29 @@ class Trace:
         used |= set(self.results.values())
         return tuple(line[1] for number, line in enumerate(self.lines) if line[0] == "input" and number in used)
 
+    @cached_property
+    def shared(self) -> frozenset[int]:
+        """Operations whose result is used more than once."""
+        used = [int(n) for sign, *operands in self.lines if sign not in ("input", "number") for n in operands]
+        return frozenset(line for line, uses in Counter([*used, *self.results.values()]).items() if uses > 1)
+
     def replay(
         self,
         inputs: Mapping[str, Number],
         number: Callable[[int | float], Number] = lambda value: value,
         functions: Mapping[str, Callable[..., Number]] = COLUMNS,
+        put: Callable[[str, Number], Number] = lambda name, value: value,  # What is used more than once gets a name
     ) -> dict[str, Number]:
         values: list[Number] = []
-        for sign, *operands in self.lines:
+        for place, (sign, *operands) in enumerate(self.lines):
             if sign == "input":
                 values.append(inputs.get(operands[0]))
             elif sign == "number":
                 values.append(number(int(operands[0]) if operands[0].lstrip("-").isdigit() else float(operands[0])))
             else:
                 operation = functions.get(sign) or OPERATORS[sign]
-                values.append(operation(*(values[int(operand)] for operand in operands)))
+                value = operation(*(values[int(operand)] for operand in operands))
+                values.append(put(f"part_{place}", value) if place in self.shared else value)
         return {name: values[line] for name, line in self.results.items()}
 
 
