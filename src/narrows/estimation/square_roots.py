@@ -11,7 +11,7 @@ import numpy as np
 def sigma_points(mean: np.ndarray, root: np.ndarray, distance: float, pairs: int) -> np.ndarray:
     """Return the points, (1 + 2 pairs, n): the mean, then one point on either side of it along each column."""
     # mean (n,); root (n, k), further pairs are at the mean
-    # Number by number, here and below: Numba takes seconds to compile a slice that is set and a sum along an axis.
+    # Number by number, here and below: Numba takes seconds to compile an array that is set, added or multiplied whole.
     points = np.empty((1 + 2 * pairs, len(mean)))
     for i in range(len(mean)):
         points[:, i] = mean[i]
@@ -28,25 +28,34 @@ def transform(
 
     The rows are the slopes, the nonlinear parts and the noise.
     """
-    pairs, half = len(values) // 2, 0.5 / distance
-    ahead, back = values[1 : 1 + pairs], values[1 + pairs :]
-    bends = ahead + back - 2.0 * values[0]
-    total = np.zeros(values.shape[1])
-    for bent in bends:
-        total += bent
-    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half, noise))
-    return values[0] + weight * total, rows
+    pairs, half, size = len(values) // 2, 0.5 / distance, values.shape[1]
+    mean, rows = np.empty(size), np.empty((2 * pairs + len(noise), size))
+    for i in range(size):
+        total = 0.0
+        for k in range(pairs):
+            ahead, back = values[1 + k, i], values[1 + pairs + k, i]
+            rows[k, i], rows[pairs + k, i] = (ahead - back) * half, ahead + back - 2.0 * values[0, i]
+            total += rows[pairs + k, i]
+        for k in range(pairs):
+            rows[pairs + k, i] = (rows[pairs + k, i] + bend * total) * half
+        for k in range(len(noise)):
+            rows[2 * pairs + k, i] = noise[k, i]
+        mean[i] = values[0, i] + weight * total
+    return mean, rows
 
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of the sum of outer products of rows (j, n); NaN if there is none."""
-    root = np.full((rows.shape[1], rows.shape[1]), np.nan)
-    if np.isfinite(rows).all():
-        factor = np.linalg.qr(rows)[1]
-        root[:] = 0.0
-        for i in range(len(factor)):
-            for j in range(i, len(root)):
-                root[j, i] = factor[i, j]
+    size, finite = rows.shape[1], True
+    for i in range(len(rows)):
+        for j in range(size):
+            finite = finite and abs(rows[i, j]) < np.inf
+    if not finite:
+        return np.full((size, size), np.nan)
+    factor, root = np.linalg.qr(rows)[1], np.zeros((size, size))
+    for i in range(len(factor)):
+        for j in range(i, size):
+            root[j, i] = factor[i, j]
     return root
 
 
@@ -55,9 +64,21 @@ def cholesky(covariance: np.ndarray) -> np.ndarray:
     root = np.zeros_like(covariance)
     for i in range(len(root)):
         for j in range(i + 1):
-            rest = covariance[i, j] - (root[i, :j] * root[j, :j]).sum()
+            rest = covariance[i, j]
+            for k in range(j):
+                rest -= root[i, k] * root[j, k]
             root[i, j] = np.sqrt(rest) if i == j else rest / root[j, j]
     return root
+
+
+def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return the transpose of one matrix (j, n) times another (j, m)."""
+    found = np.zeros((left.shape[1], right.shape[1]))
+    for k in range(len(left)):
+        for i in range(left.shape[1]):
+            for j in range(right.shape[1]):
+                found[i, j] += left[k, i] * right[k, j]
+    return found
 
 
 def whiten(values: np.ndarray, root: np.ndarray) -> np.ndarray:
@@ -84,35 +105,74 @@ def update(
     """
     # rows (j, m): slopes along the columns of the root, nonlinear parts, white noise; end of the components, gate and
     # source of each sensor (sensors,); sums, memories, most: see ``drift_statistics``.
-    size, first, covariance = root.shape[1], 0, rows.T @ rows
-    factor, spread = cholesky(covariance), np.sqrt(np.diag(covariance))
-    whitened, kept, tests = innovation / spread, np.ones(len(innovation), np.bool_), np.empty((3, len(ends)))
+    covariance, tests, first = product(rows, rows), np.empty((3, len(ends))), 0
+    whitened, kept, likelihood = np.empty(len(innovation)), np.ones(len(innovation), np.bool_), 0.0
+    odd, modest, at_gates, lowest, highest = 0, True, 0.0, np.inf, -np.inf
     for sensor in range(len(ends)):
-        part = slice(first, ends[sensor])
-        squared = (whiten(innovation[part].reshape(1, -1), cholesky(covariance[part, part])) ** 2).sum()
-        first, kept[part], tests[0, sensor] = ends[sensor], squared <= gates[sensor], squared
-    whitened[~kept] = 0.0  # Gross errors are left to the gate
-    drift = drift_statistics(sums, memories, places, whitened, most)
-    first = 0
-    for sensor in range(len(ends)):
-        tests[1, sensor], tests[2, sensor] = not kept[first], drift[first : ends[sensor]].max()
+        squared = normalised_square(covariance, innovation, first, ends[sensor])
+        passes = squared <= gates[sensor]
+        tests[0, sensor], tests[1, sensor] = squared, not passes
+        for i in range(first, ends[sensor]):
+            kept[i] = passes
+            whitened[i] = (
+                innovation[i] / np.sqrt(covariance[i, i]) if passes else 0.0
+            )  # Gross errors are left to the gate
+        if not passes:
+            odd, modest, at_gates = odd + 1, modest and squared <= gross, at_gates + gates[sensor]
+            lowest, highest = min(lowest, sources[sensor]), max(highest, sources[sensor])
         first = ends[sensor]
-    odd, likelihood = tests[1] > 0.0, -np.log(np.diag(factor)).sum()
+    drift, first = drift_statistics(sums, memories, places, whitened, most), 0
+    for sensor in range(len(ends)):
+        tests[2, sensor] = drift[first]
+        for i in range(first, ends[sensor]):
+            tests[2, sensor] = max(tests[2, sensor], drift[i])
+        first = ends[sensor]
+    factor = cholesky(covariance)
+    for i in range(len(factor)):
+        likelihood -= np.log(factor[i, i])
     # Sensors of several sources agree against the prediction: the model is wrong, and they are used.
-    agree = odd.any() and sources[odd].max() > sources[odd].min() and (tests[0][odd] <= gross).all()
-    stacked = np.concatenate((rows, innovation.reshape(1, -1)))
-    if odd.any() and not agree:
-        stacked, likelihood = stacked[:, kept], likelihood - 0.5 * gates[odd].sum()
-        factor = cholesky(stacked[:-1].T @ stacked[:-1])
+    agree = odd > 0 and highest > lowest and modest
+    if odd > 0 and not agree:
+        likelihood -= 0.5 * at_gates
+    used = np.flatnonzero(kept | agree)
+    stacked, part = np.empty((len(rows) + 1, len(used))), np.empty((len(used), len(used)))
+    for i in range(len(used)):
+        for k in range(len(rows)):
+            stacked[k, i] = rows[k, used[i]]
+        stacked[len(rows), i] = innovation[used[i]]
+        for j in range(len(used)):
+            part[i, j] = covariance[used[i], used[j]]
     # Joseph's form is a sum of squares: it stays a covariance for any gain.
-    white = whiten(stacked, factor)
-    gain = white[:size].T @ root.T
-    after = -(white[:-1] @ gain)
-    for i in range(size):
+    white, moved, after = whiten(stacked, cholesky(part)), mean.copy(), np.zeros((len(rows), len(root)))
+    gain = np.zeros((len(used), len(root)))
+    for k in range(root.shape[1]):
         for j in range(len(root)):
-            after[i, j] += root[j, i]
-    likelihood -= 0.5 * (white[-1] ** 2).sum()
-    return mean + white[-1] @ gain, triangular_root(after), tests, agree, likelihood
+            after[k, j] = root[j, k]
+            for i in range(len(used)):
+                gain[i, j] += white[k, i] * root[j, k]
+    for i in range(len(used)):
+        for j in range(len(root)):
+            moved[j] += white[len(rows), i] * gain[i, j]
+        for k in range(len(rows)):
+            for j in range(len(root)):
+                after[k, j] -= white[k, i] * gain[i, j]
+    for i in range(len(used)):
+        likelihood -= 0.5 * white[len(rows), i] ** 2
+    return moved, triangular_root(after), tests, agree, likelihood
+
+
+def normalised_square(covariance: np.ndarray, innovation: np.ndarray, first: int, end: int) -> float:
+    """Return the normalised innovation squared of the components from ``first`` to before ``end``."""
+    size, total = end - first, 0.0
+    own, values = np.empty((size, size)), np.empty((1, size))
+    for i in range(size):
+        values[0, i] = innovation[first + i]
+        for j in range(size):
+            own[i, j] = covariance[first + i, first + j]
+    white = whiten(values, cholesky(own))
+    for i in range(size):
+        total += white[0, i] ** 2
+    return total
 
 
 def drift_statistics(

@@ -15,11 +15,14 @@ def filter_readings(
     # covariance (d, d); slopes (n, 6, d); misses, walk (n, 6); kept (m,); fresh (m, m); first (n + 1,); rows (N, d);
     # residual, variance, innovation, spread (N,); gains (N, d); means (n, d) or (0, d); covariances likewise
     # Scalar updates one after the other: Anderson and Moore (1979), Optimal Filtering, section 6.4.
-    z, cov, moved = np.zeros(len(covariance)), covariance.copy(), np.empty((6, len(covariance)))
+    # Number by number, here and below: Numba takes seconds to compile an array that is set, added or multiplied whole.
+    size = len(covariance)
+    z, cov, moved = np.zeros(size), covariance.copy(), np.empty((6, size))
     for k in range(len(slopes)):
-        if len(means):
-            means[k] = z
-            covariances[k] = cov
+        for p in range(size if len(means) else 0):
+            means[k, p] = z[p]
+            for q in range(size):
+                covariances[k, p, q] = cov[p, q]
         for i in range(first[k], first[k + 1]):
             update(z, cov, rows[i], residual[i], variance[i], innovation, spread, gains, i)
         predict(z, cov, moved, slopes[k], misses[k], kept, fresh, walk[k])
@@ -29,20 +32,23 @@ def update(
     z: np.ndarray, cov: np.ndarray, row: np.ndarray, residual: float, variance: float, innovation: np.ndarray,
     spread: np.ndarray, gains: np.ndarray, i: int,
 ) -> None:  # fmt: skip
-    e, gain = residual, gains[i]
-    gain[:] = 0.0
+    e, s, gain = residual, variance, gains[i]
+    for p in range(len(z)):
+        gain[p] = 0.0
     for q in range(len(z)):
         if row[q] != 0.0:
             e -= row[q] * z[q]
             for p in range(len(z)):
                 gain[p] += row[q] * cov[q, p]
-    s = variance + np.dot(row, gain)
+    for p in range(len(z)):
+        s += row[p] * gain[p]
     for p in range(len(z)):
         share = gain[p] / s
         z[p] += share * e
         for q in range(len(z)):
             cov[p, q] -= share * gain[q]
-    gain /= s
+    for p in range(len(z)):
+        gain[p] /= s
     innovation[i], spread[i] = e, s
 
 
@@ -51,8 +57,9 @@ def predict(
     fresh: np.ndarray, walk: np.ndarray,
 ) -> None:  # fmt: skip
     size, after = len(z), miss.copy()
-    moved[:] = 0.0
     for i in range(6):
+        for q in range(size):
+            moved[i, q] = 0.0
         for j in range(size):
             if here[i, j] != 0.0:
                 after[i] += here[i, j] * z[j]
@@ -80,15 +87,25 @@ def smooth(
 ) -> None:  # fmt: skip
     """Write smoothed means in the place of the predicted ones."""
     # The modified Bryson-Frazier smoother, which inverts nothing: Bierman (1973), Automatica 9.
-    adjoint = np.zeros(means.shape[1])
+    size = means.shape[1]
+    adjoint, before = np.zeros(size), np.zeros(size)
     for k in range(len(slopes) - 1, -1, -1):
-        before = np.dot(adjoint[:6], slopes[k])
-        for j in range(6, len(adjoint)):
-            before[j] += kept[j - 6] * adjoint[j]
-        adjoint = before
+        for j in range(size):
+            before[j] = kept[j - 6] * adjoint[j] if j >= 6 else 0.0
+        for i in range(6):
+            for j in range(size):
+                before[j] += adjoint[i] * slopes[k, i, j]
+        for j in range(size):
+            adjoint[j] = before[j]
         for i in range(first[k + 1] - 1, first[k] - 1, -1):
-            adjoint += rows[i] * (innovation[i] / spread[i] - np.dot(gains[i], adjoint))
-        means[k] += np.dot(covariances[k], adjoint)
+            left = innovation[i] / spread[i]
+            for j in range(size):
+                left -= gains[i, j] * adjoint[j]
+            for j in range(size):
+                adjoint[j] += rows[i, j] * left
+        for q in range(size):  # Its rows are its columns
+            for p in range(size):
+                means[k, p] += covariances[k, q, p] * adjoint[q]
 
 
 def nomoto_headings(numbers: np.ndarray, psi: float, r: float, step: float, rudder: np.ndarray) -> np.ndarray:
