@@ -106,22 +106,11 @@ def update(
     # rows (j, m): slopes along the columns of the root, nonlinear parts, white noise; end of the components, gate and
     # source of each sensor (sensors,); sums, memories, most: see ``drift_statistics``.
     covariance, tests, first = product(rows, rows), np.empty((3, len(ends))), 0
-    whitened, kept, likelihood = np.empty(len(innovation)), np.ones(len(innovation), np.bool_), 0.0
-    odd, modest, at_gates, lowest, highest = 0, True, 0.0, np.inf, -np.inf
-    for sensor in range(len(ends)):
-        squared = normalised_square(covariance, innovation, first, ends[sensor])
-        passes = squared <= gates[sensor]
-        tests[0, sensor], tests[1, sensor] = squared, not passes
-        for i in range(first, ends[sensor]):
-            kept[i] = passes
-            whitened[i] = (
-                innovation[i] / np.sqrt(covariance[i, i]) if passes else 0.0
-            )  # Gross errors are left to the gate
-        if not passes:
-            odd, modest, at_gates = odd + 1, modest and squared <= gross, at_gates + gates[sensor]
-            lowest, highest = min(lowest, sources[sensor]), max(highest, sources[sensor])
-        first = ends[sensor]
-    drift, first = drift_statistics(sums, memories, places, whitened, most), 0
+    kept, whitened, likelihood = np.ones(len(innovation), np.bool_), np.empty(len(innovation)), 0.0
+    agree, at_gates = gate(covariance, innovation, ends, gates, sources, gross, tests, kept)
+    for i in range(len(innovation)):
+        whitened[i] = innovation[i] / np.sqrt(covariance[i, i]) if kept[i] else 0.0  # Gross errors are left to the gate
+    drift = drift_statistics(sums, memories, places, whitened, most)
     for sensor in range(len(ends)):
         tests[2, sensor] = drift[first]
         for i in range(first, ends[sensor]):
@@ -130,9 +119,7 @@ def update(
     factor = cholesky(covariance)
     for i in range(len(factor)):
         likelihood -= np.log(factor[i, i])
-    # Sensors of several sources agree against the prediction: the model is wrong, and they are used.
-    agree = odd > 0 and highest > lowest and modest
-    if odd > 0 and not agree:
+    if not agree:
         likelihood -= 0.5 * at_gates
     used = np.flatnonzero(kept | agree)
     stacked, part = np.empty((len(rows) + 1, len(used))), np.empty((len(used), len(used)))
@@ -142,23 +129,54 @@ def update(
         stacked[len(rows), i] = innovation[used[i]]
         for j in range(len(used)):
             part[i, j] = covariance[used[i], used[j]]
-    # Joseph's form is a sum of squares: it stays a covariance for any gain.
-    white, moved, after = whiten(stacked, cholesky(part)), mean.copy(), np.zeros((len(rows), len(root)))
-    gain = np.zeros((len(used), len(root)))
-    for k in range(root.shape[1]):
-        for j in range(len(root)):
-            after[k, j] = root[j, k]
-            for i in range(len(used)):
-                gain[i, j] += white[k, i] * root[j, k]
-    for i in range(len(used)):
-        for j in range(len(root)):
-            moved[j] += white[len(rows), i] * gain[i, j]
-        for k in range(len(rows)):
-            for j in range(len(root)):
-                after[k, j] -= white[k, i] * gain[i, j]
+    white = whiten(stacked, cholesky(part))
     for i in range(len(used)):
         likelihood -= 0.5 * white[len(rows), i] ** 2
+    moved, after = joseph(mean, root, white)
     return moved, triangular_root(after), tests, agree, likelihood
+
+
+def gate(
+    covariance: np.ndarray, innovation: np.ndarray, ends: np.ndarray, gates: np.ndarray, sources: np.ndarray,
+    gross: float, tests: np.ndarray, kept: np.ndarray,
+) -> tuple[bool, float]:  # fmt: skip
+    """Write the tests of each sensor, and which components pass; return whether the others are used, and their gates.
+
+    Sensors of several sources agree against the prediction: the model is wrong, and they are used.
+    """
+    first, modest, at_gates, lowest, highest = 0, True, 0.0, np.inf, -np.inf
+    for sensor in range(len(ends)):
+        squared = normalised_square(covariance, innovation, first, ends[sensor])
+        passes = squared <= gates[sensor]
+        tests[0, sensor], tests[1, sensor] = squared, not passes
+        for i in range(first, ends[sensor]):
+            kept[i] = passes
+        if not passes:
+            modest, at_gates = modest and squared <= gross, at_gates + gates[sensor]
+            lowest, highest = min(lowest, sources[sensor]), max(highest, sources[sensor])
+        first = ends[sensor]
+    return modest and highest > lowest, at_gates
+
+
+def joseph(mean: np.ndarray, root: np.ndarray, white: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the mean and the rows after an update, of whitened rows and, last, whitened innovations.
+
+    Joseph's form is a sum of squares: it stays a covariance for any gain.
+    """
+    rows, used, size = len(white) - 1, white.shape[1], len(root)
+    moved, after, gain = mean.copy(), np.zeros((rows, size)), np.zeros((used, size))
+    for k in range(root.shape[1]):
+        for j in range(size):
+            after[k, j] = root[j, k]
+            for i in range(used):
+                gain[i, j] += white[k, i] * root[j, k]
+    for i in range(used):
+        for j in range(size):
+            moved[j] += white[rows, i] * gain[i, j]
+        for k in range(rows):
+            for j in range(size):
+                after[k, j] -= white[k, i] * gain[i, j]
+    return moved, after
 
 
 def normalised_square(covariance: np.ndarray, innovation: np.ndarray, first: int, end: int) -> float:
