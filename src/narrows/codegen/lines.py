@@ -29,7 +29,7 @@ SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "whole": lambda number: (Integer(0),),
     "entry": lambda column, cell: (Integer(0), Integer(0)),
     "positive": lambda test: (Integer(0),),
-    "abs": lambda a: (sympy.sign(a),),  # SymPy's own simplifies what it is given, which takes most of the time
+    "abs": lambda a: (sympy.sign(a),),  # SymPy's Abs simplifies its argument, which takes seconds
 }
 
 

@@ -129,7 +129,7 @@ class Trace:
         inputs: Mapping[str, Number],
         number: Callable[[int | float], Number] = lambda value: value,
         functions: Mapping[str, Callable[..., Number]] = COLUMNS,
-        put: Callable[[str, Number], Number] = lambda name, value: value,  # What is used more than once gets a name
+        put: Callable[[str, Number], Number] = lambda name, value: value,  # Names what is used more than once
     ) -> dict[str, Number]:
         values: list[Number] = []
         for place, (sign, *operands) in enumerate(self.lines):

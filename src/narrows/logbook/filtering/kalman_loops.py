@@ -103,7 +103,7 @@ def smooth(
                 left -= gains[i, j] * adjoint[j]
             for j in range(size):
                 adjoint[j] += rows[i, j] * left
-        for q in range(size):  # Its rows are its columns
+        for q in range(size):  # The matrix is symmetric
             for p in range(size):
                 means[k, p] += covariances[k, q, p] * adjoint[q]
 
