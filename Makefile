@@ -18,7 +18,7 @@ test: .venv/dev
 test-fast: .venv/dev
 	$(BIN)/python -m pytest -n auto --dist worksteal -m "not slow"
 
-# With the tests marked whole, every cell of the matrix of voyages among them: most of an hour more.
+# With the tests marked whole, every cell of the matrix of voyages among them: half an hour more.
 test-whole: .venv/dev
 	NARROWS_WHOLE=1 $(BIN)/python -m pytest -n auto --dist worksteal
 

@@ -95,8 +95,9 @@ def test_named(case: str, frame: pd.DataFrame, tmp_path: Path) -> None:
     assert any(sentence in said for said in nw.identify(tests).implausible)
 
 
-def test_named_by_the_command_with_exit_code_1(frame: pd.DataFrame, tmp_path: Path, cli) -> None:
-    spoil, sentence = NAMED["Y and N flipped"]
+@pytest.mark.parametrize("case", NAMED)
+def test_named_by_the_command_with_exit_code_1(case: str, frame: pd.DataFrame, tmp_path: Path, cli) -> None:
+    spoil, sentence = NAMED[case]
     read(spoil(frame[frame.condition == "C0101A02"]), tmp_path)
     code, out, _ = cli("identify", tmp_path / "t.csv", "--ship", tmp_path / "ship.toml")
     assert code == 1

@@ -502,7 +502,7 @@ assert nw.squat(kcs, 4.0).bow == nw.squat(kcs, 4.0, "bow").sinkage and 4 < nw.sq
 nw.export(pub, "c", "again.h"); assert nw.straight_waterway(**wide).line.length > 9_999
 assert "b_bank  " in fit.summary() and "b_bank  " not in fit._repr_html_().partition("<table")[0]
 assert [test.name for test in tests] == [*tests.names] and tests.name == tests.ship.name
-planned = nw.plan(tests, runs=1); assert planned.runs
+planned = nw.plan(tests, runs=2); assert nw.plan(pub, runs=2).runs and planned.runs
 pub.save("ship.toml"); assert nw.read_ship("ship.toml").ship == pub.ship
 assert voyage.outcome.grounded and not nw.simulate(kcs, y=5.0, hold=0, duration=30.0).outcome.grounded
 assert -1 <= fit.correlation.loc["b_v", "b_r"] == fit.corr().b_v.b_r <= fit.correlation.loc["b_v", "b_v"] < 1.01
@@ -544,7 +544,7 @@ assert nw.simulate(pub, r="60 deg/min", duration=9) == nw.simulate(pub, r="1 deg
 assert voyage.y_end == voyage.y[-1] and voyage.plot_heading().axes[0].get_xlabel() == "t"
 assert voyage.plot_speed("u.png").axes
 assert (kcs.estimate_states(kcs.simulate(u=4, duration=20).df).v_std > 0).all()
-assert nw.plan(fit, runs=1).notes == planned.notes and "1 test" in tests.filter(test="yaw").summary()
+assert nw.plan(fit, runs=2).notes == planned.notes and "1 test" in tests.filter(test="yaw").summary()
 told = nw.explain(pub, tests, ["paper"])
 assert told.rmse.Y == told.scores["Y"].rmse and told.r2["N"] == told.scores["N"].r2
 assert model.predict(tests)["Y"].equals(fit.predict().Y) and len(model.predict(tests.to_dataframe())) == tests.rows
@@ -553,7 +553,7 @@ assert nw.crash_stop(kcs, rpm=-60).distance == nw.crash_stop(kcs, revolutions="-
 nw.animate(nw.simulate(pub, y=1.0, duration=2.0), "a.gif", seconds=0.2)
 drawn = nw.monte_carlo(kcs, n=9, y=20, u=4)
 assert drawn.probability("grounded") == (drawn.outcome == "grounded").mean()
-assert nw.plan(tests.ship, runs=1, after=tests).notes == planned.notes and nw.plan(model=pub, runs=1).runs
+assert nw.plan(model=tests, runs=2).notes == nw.plan(tests.ship, runs=2, after=tests).notes == planned.notes
 assert nw.Tests.from_dataframe(tests.to_dataframe(), ship=tests.ship).configuration == tests.configuration
 assert voyage.at(voyage.t[5]).y == voyage.y[5] and len(voyage.interp([1.0, 2.0])) == 2
 assert nw.ukc(kcs, u=5.0) == kcs.under_keel_clearance(u=5.0) == nw.squat(kcs, 5.0).ukc

@@ -71,7 +71,9 @@ def test_the_pythons_that_are_tried_are_those_that_are_named() -> None:
 
 
 def test_the_machine_is_looked_at_before_anything_is_downloaded() -> None:
-    recipe = (ROOT / "Makefile").read_text(encoding="utf-8").split(".venv/base: ")[1]
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    recipe = makefile.split(".venv/base: ")[1]
+    assert "INSTALL := -m pip install" in makefile
     assert 0 < recipe.index("check_machine.py") < recipe.index("$(INSTALL)")
 
 
