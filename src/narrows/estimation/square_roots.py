@@ -71,14 +71,23 @@ def cholesky(covariance: np.ndarray) -> np.ndarray:
     return root
 
 
-def product(left: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the transpose of one matrix (j, n) times another (j, m)."""
-    found = np.zeros((left.shape[1], right.shape[1]))
-    for k in range(len(left)):
-        for i in range(left.shape[1]):
-            for j in range(right.shape[1]):
-                found[i, j] += left[k, i] * right[k, j]
+def covariance_of(rows: np.ndarray) -> np.ndarray:
+    """Return the sum of outer products of rows (j, n)."""
+    found = np.zeros((rows.shape[1], rows.shape[1]))
+    for row in rows:
+        for i in range(len(row)):
+            for j in range(len(row)):
+                found[i, j] += row[i] * row[j]
     return found
+
+
+def root_of(covariance: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root of the covariance of some components."""
+    part = np.empty((len(chosen), len(chosen)))
+    for i in range(len(chosen)):
+        for j in range(len(chosen)):
+            part[i, j] = covariance[chosen[i], chosen[j]]
+    return cholesky(part)
 
 
 def whiten(values: np.ndarray, root: np.ndarray) -> np.ndarray:
@@ -105,7 +114,7 @@ def update(
     """
     # rows (j, m): slopes along the columns of the root, nonlinear parts, white noise; end of the components, gate and
     # source of each sensor (sensors,); sums, memories, most: see ``drift_statistics``.
-    covariance, tests, first = product(rows, rows), np.empty((3, len(ends))), 0
+    covariance, tests, first = covariance_of(rows), np.empty((3, len(ends))), 0
     kept, whitened, likelihood = np.ones(len(innovation), np.bool_), np.empty(len(innovation)), 0.0
     agree, at_gates = gate(covariance, innovation, ends, gates, sources, gross, tests, kept)
     for i in range(len(innovation)):
@@ -122,14 +131,12 @@ def update(
     if not agree:
         likelihood -= 0.5 * at_gates
     used = np.flatnonzero(kept | agree)
-    stacked, part = np.empty((len(rows) + 1, len(used))), np.empty((len(used), len(used)))
+    stacked = np.empty((len(rows) + 1, len(used)))
     for i in range(len(used)):
         for k in range(len(rows)):
             stacked[k, i] = rows[k, used[i]]
         stacked[len(rows), i] = innovation[used[i]]
-        for j in range(len(used)):
-            part[i, j] = covariance[used[i], used[j]]
-    white = whiten(stacked, cholesky(part))
+    white = whiten(stacked, root_of(covariance, used))
     for i in range(len(used)):
         likelihood -= 0.5 * white[len(rows), i] ** 2
     moved, after = joseph(mean, root, white)
@@ -181,14 +188,12 @@ def joseph(mean: np.ndarray, root: np.ndarray, white: np.ndarray) -> tuple[np.nd
 
 def normalised_square(covariance: np.ndarray, innovation: np.ndarray, first: int, end: int) -> float:
     """Return the normalised innovation squared of the components from ``first`` to before ``end``."""
-    size, total = end - first, 0.0
-    own, values = np.empty((size, size)), np.empty((1, size))
-    for i in range(size):
-        values[0, i] = innovation[first + i]
-        for j in range(size):
-            own[i, j] = covariance[first + i, first + j]
-    white = whiten(values, cholesky(own))
-    for i in range(size):
+    chosen, total = np.arange(first, end), 0.0
+    values = np.empty((1, len(chosen)))
+    for i in range(len(chosen)):
+        values[0, i] = innovation[chosen[i]]
+    white = whiten(values, root_of(covariance, chosen))
+    for i in range(len(chosen)):
         total += white[0, i] ** 2
     return total
 
