@@ -8,9 +8,10 @@ import pytest
 from hypothesis import settings
 
 import narrows as nw
+from nightly import draws
 from tables import DTC_SHIP, frame_of, short_twin
 
-settings.register_profile("narrows", derandomize=True, max_examples=25, deadline=None, database=None)
+settings.register_profile("narrows", derandomize=True, max_examples=draws(25), deadline=None, database=None)
 settings.load_profile("narrows")
 
 DEPTHS = {100: "C0101A01", 50: "C0101A02", 20: "C0101A03"}

@@ -130,7 +130,7 @@ def test_a_mass_a_little_off_is_said(frame: pd.DataFrame, tmp_path: Path) -> Non
 def test_rudder(terms: str) -> None:
     """Turned round, its force is none of a rudder's; unknown to the terms, it is refused, or said where asked for."""
     table = table_named(terms)
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A01"]
+    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
     turned = {name: -tests.columns[name] for name in ("rudder", "sin_rudder")}
     reversed_ = nw.CaptiveTests(
         {**tests.columns, **turned}, tests.names, tests.starts, tests.configuration, tests.conditions

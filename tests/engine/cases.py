@@ -167,8 +167,8 @@ class Case:
 
     @property
     def dt(self) -> float:
-        """Step [s]."""
-        return STEPS[self.ship]
+        """Step [s]; a longer one in open water that is straight, where no bank draws the ship and nothing bends."""
+        return (4 if (self.course, self.contact) == ("straight", "none") else 1) * STEPS[self.ship]
 
     @property
     def duration(self) -> float:

@@ -72,9 +72,9 @@ def test_the_delay_that_it_tells_is_the_one_that_loses_the_ship() -> None:
     told = loop().margins()["delay"]
 
     def farthest(steps: int) -> float:
-        begun = {"u": SPEED, "dt": 1.0, "duration": 6000.0, **loop().course}
+        begun = {"u": SPEED, "dt": 1.0, "duration": 4000.0, **loop().course}
         voyage = nw.simulate(full_size(), HOLD - 1.0, controller=Exactly(law(), steps), **begun)
-        return float(np.abs(voyage.y[voyage.t > 3000.0] - HOLD).max(initial=0.0)) if len(voyage.t) > 3001 else math.inf
+        return float(np.abs(voyage.y[voyage.t > 2000.0] - HOLD).max(initial=0.0)) if len(voyage.t) > 2001 else math.inf
 
     assert farthest(math.floor(0.9 * told)) < 0.5
     assert farthest(math.ceil(1.1 * told)) > 1.5
@@ -124,10 +124,10 @@ SENSORS = [Gnss(1.5), Gyro(), RateOfTurn(), Log(), RudderIndicator()]
 
 def test_a_loop_with_sensors_keeps_its_line() -> None:
     made = loop(sensors=SENSORS)
-    one, same, other = (made.simulate(300.0, seed) for seed in (1, 1, 2))
+    one, same, other = (made.simulate(duration, seed) for duration, seed in ((300.0, 1), (60.0, 1), (60.0, 2)))
     assert np.abs(one.y - HOLD).max() < 4.0
-    np.testing.assert_array_equal(one.y, same.y)
-    assert np.abs(one.y - other.y).max() > 0.01
+    np.testing.assert_array_equal(one.y[: len(same.y)], same.y)
+    assert np.abs(same.y - other.y).max() > 0.01
 
 
 def test_easy_weights_need_twice_the_rudder_travel_of_true_states_at_most() -> None:
@@ -137,7 +137,7 @@ def test_easy_weights_need_twice_the_rudder_travel_of_true_states_at_most() -> N
     force = [(100.0, gust), (160.0, 0.0), (300.0, -gust), (360.0, 0.0)]
     pushed = {"Y": force, "N": [(t, 20.0 * value) for t, value in force]}
     sensors = [Gnss(1.5, coloured=None), CourseOverGround(), *SENSORS[1:]]
-    voyages = [closed_loop(full_size(), helm, sensors=own).simulate(600.0, 1, **pushed) for own in ((), sensors)]
+    voyages = [closed_loop(full_size(), helm, sensors=own).simulate(420.0, 1, **pushed) for own in ((), sensors)]
     true, seen = (np.abs(np.diff(voyage.rudder)).sum() for voyage in voyages)
     assert true < seen < 2 * true
 
@@ -151,7 +151,7 @@ def test_declared_errors_of_sensors_are_drawn() -> None:
     """Fixes with a slow error of 1.5 m move the ship off its line by about as much; certain ones do not."""
     sure, slow = ([Gnss(0.1, coloured=error), *SENSORS[1:]] for error in (None, GaussMarkov(1.5, 60.0)))
     off = [
-        np.std([loop(sensors=own).simulate(300.0, seed).y[150:] - HOLD for seed in range(3)]) for own in (sure, slow)
+        np.std([loop(sensors=own).simulate(300.0, seed).y[150:] - HOLD for seed in range(2)]) for own in (sure, slow)
     ]
     assert off[0] < 0.5 < off[1] < 3.0
 

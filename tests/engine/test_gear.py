@@ -145,6 +145,19 @@ def test_the_predictive_helm_stands_every_gear(dt: float, told: bool, dead: floa
     assert held(model, helm, dt, 300.0) < 2.0
 
 
+def test_the_predictive_helm_stands_a_gear_that_it_is_not_told_of() -> None:
+    """A hull of 4 m, for which 0.3 s and 0.5 s are what 2.3 s and 4 s are at full size."""
+    pytest.importorskip("daqp")
+    import plans
+
+    model, off = geared(plans.ship(), dead_time=0.3, lag=0.5), plans.ship().configuration.ship.length / 230.0
+    start = {"y": plans.HOLD + off, "u": plans.SPEED, "duration": 40.0, "dt": 0.13}
+    voyage = nw.simulate(model, **start, controller=plans.helm())
+    assert voyage.outcome.kind == "afloat"
+    assert np.abs(voyage.y - plans.HOLD).max() < 2.0 * off
+    assert np.abs(voyage.y - plans.HOLD)[-50:].max() < 0.1 * off
+
+
 @pytest.mark.parametrize("dead_time", [2, 5])
 def test_a_voyage_is_that_of_an_exact_dead_time(dead_time: int) -> None:
     law = regulator(full_size(), HOLD, SPEED)

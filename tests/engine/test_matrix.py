@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from laws import mirrored_law
 from public import fleet, kinds, sides, voyage
 from reference import End
 
+import narrows as nw
+from narrows.simulation import kernel_run
 from narrows.simulation.controllers import CONTROLLERS
 from pairwise import pairs_of, pairwise_cover
 
@@ -31,7 +34,7 @@ TRACKS = list(dict.fromkeys((case.ship, case.course, case.surge, case.controller
 ENDS = ("y_end", "psi_end", "u_end", "v_end", "r_end")
 MIRRORED = ("y", "psi", "v", "r", "rudder", "Y", "N")
 TIME, TRACK = 1e-6, 1e-9
-VESSELS = 300
+VESSELS = 64
 
 
 def in_every_cell(test: Callable[..., None]) -> Callable[..., None]:
@@ -44,13 +47,26 @@ def start_of(case: Case) -> int:
     return TRACKS.index((case.ship, case.course, case.surge, case.controller)) % len(case.starts["y"])
 
 
+@lru_cache(4)
+def together(case: Case) -> xr.Dataset:
+    """Every start of a cell, sailed once for all tests."""
+    return fleet(case)
+
+
+@lru_cache(16)
+def alone(case: Case, number: int) -> nw.Voyage:
+    """One start by itself, sailed once."""
+    return voyage(case, number)
+
+
+@cache
 def expected(case: Case) -> End:
     return case.reference(start_of(case)).end(case.shape)
 
 
 @in_every_cell
 def test_a_voyage_is_the_reference(case: Case) -> None:
-    found, reference = voyage(case, start_of(case)).outcome, expected(case)
+    found, reference = alone(case, start_of(case)).outcome, expected(case)
     assert (found.kind, found.side) == (reference.kind, reference.side)
     assert found.time == pytest.approx(reference.time, abs=TIME)
     far = 5 if case.contact == "midship" else 2  # which is met at a speed without bound
@@ -59,21 +75,21 @@ def test_a_voyage_is_the_reference(case: Case) -> None:
 
 @in_every_cell
 def test_a_fleet_is_the_reference(case: Case) -> None:
-    ended, number, reference = fleet(case), start_of(case), expected(case)
+    ended, number, reference = together(case), start_of(case), expected(case)
     assert (kinds(ended)[number], sides(ended)[number]) == (reference.kind, reference.side)
     assert ended["time"].to_numpy().ravel()[number] == pytest.approx(reference.time, abs=TIME)
 
 
 @in_every_cell
 def test_a_fleet_is_its_voyages(case: Case) -> None:
-    ended = fleet(case)
-    alone = [voyage(case, number).outcome for number in range(len(case.starts["y"]))]
-    assert kinds(ended) == [one.kind for one in alone]
-    assert sides(ended) == [one.side for one in alone]
+    ended = together(case)
+    singles = [alone(case, number).outcome for number in range(len(case.starts["y"]))]
+    assert kinds(ended) == [one.kind for one in singles]
+    assert sides(ended) == [one.side for one in singles]
     near = {"rtol": 0.0, "atol": TRACK}
-    np.testing.assert_allclose(ended["time"], [one.time for one in alone], **near)
+    np.testing.assert_allclose(ended["time"], [one.time for one in singles], **near)
     for name in ENDS if case.contact != "midship" else ("y_end",):
-        np.testing.assert_allclose(ended[name], [one.state[name.removesuffix("_end")] for one in alone], **near)
+        np.testing.assert_allclose(ended[name], [one.state[name.removesuffix("_end")] for one in singles], **near)
 
 
 def reflection(case: Case) -> dict[str, Any]:
@@ -89,7 +105,7 @@ def reflection(case: Case) -> dict[str, Any]:
 def test_mirrored_to_the_bit(case: Case) -> None:
     other = replace(case)
     object.__setattr__(other, "model", mirrored(case.model))
-    plain, reflected = fleet(case), fleet(other, **reflection(case))
+    plain, reflected = together(case), fleet(other, **reflection(case))
     for name in ("outcome", "time", "distance", "u_end"):
         np.testing.assert_array_equal(plain[name], reflected[name])
     for name in ("side", "y_end", "psi_end", "v_end", "r_end"):
@@ -101,7 +117,7 @@ def test_a_mirrored_voyage_to_the_bit(case: Case) -> None:
     other, number = replace(case), start_of(case)
     object.__setattr__(other, "model", mirrored(case.model))
     told = {name: v[number].item() if isinstance(v, xr.DataArray) else v for name, v in reflection(case).items()}
-    plain, reflected = voyage(case, number), voyage(other, number, **told)
+    plain, reflected = alone(case, number), voyage(other, number, **told)
     assert plain.outcome.kind == reflected.outcome.kind
     assert plain.outcome.time == reflected.outcome.time
     for name in ("t", "x", "u"):
@@ -119,12 +135,13 @@ def crowd(case: Case) -> dict[str, Any]:
 
 
 @in_every_cell
-def test_the_number_of_workers_changes_no_bit(case: Case) -> None:
+def test_the_number_of_workers_changes_no_bit(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel_run, "SMALLEST_SLICE", 8)  # Or so few vessels would all be one worker's
     crew = crowd(case)
-    alone, *others = (fleet(case, **crew, workers=workers) for workers in (1, 2, 3))
-    assert alone.sizes["start"] == VESSELS
+    one, *others = (fleet(case, **crew, workers=workers) for workers in (1, 2, 3))
+    assert one.sizes["start"] == VESSELS
     for other in others:
-        xr.testing.assert_identical(alone, other)
+        xr.testing.assert_identical(one, other)
 
 
 @in_every_cell
@@ -162,6 +179,6 @@ def test_the_matrix_meets_every_end() -> None:
 
 def test_the_cells_are_told_apart() -> None:
     """A hull that ended as another does would hold nothing."""
-    cells = [Case("steered", "waterway", "held", "pilot", contact) for contact in ("corners", "outline", "midship")]
+    cells = [Case("steered", "waterway", "held", "constant", contact) for contact in ("corners", "outline", "midship")]
     corners, outline, midship = (cell.reference(1).end(cell.shape).time for cell in cells)
     assert corners < outline < midship

@@ -14,6 +14,7 @@ import pytest
 import narrows as nw
 from narrows.simulation.outcome import KINDS
 from narrows.waterway import Bank, Centreline, Waterway
+from tables import short_twin
 
 TESTS = Path(__file__).parents[1]
 BROWSER = """
@@ -22,10 +23,11 @@ def refused(self):
     raise RuntimeError("can't start new thread")
 sys.modules["numba"], threading.Thread.start = None, refused
 import narrows as nw
+from tables import short_twin
 model = nw.published("mikkelsen2025_dtc")
-voyage = nw.simulate(model, y=0.5, u=1.0)
-fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0)
-fit = nw.identify(nw.twin())
+voyage = nw.simulate(model, y=0.5, u=1.0, dt=0.05)
+fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0, dt=0.05)
+fit = nw.identify(short_twin())
 model.forces(y=1.0, u=1.0), nw.stability(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
 tanker = nw.published("yasukawa2015_kvlcc2")
 course = nw.steady_course(tanker, y=[0.0, 1.0], u=1.0, Y=50.0)
@@ -39,12 +41,18 @@ print(json.dumps([
 """
 
 
+def alone(text: str) -> subprocess.CompletedProcess[str]:
+    """Run a text in a process of its own, beside the modules of the tests."""
+    beside = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))}
+    return subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, env=beside)
+
+
 def test_what_works_where_numba_and_threads_do_not() -> None:
-    done = subprocess.run([sys.executable, "-c", BROWSER], capture_output=True, text=True)
+    done = alone(BROWSER)
     assert done.returncode == 0, done.stderr
     voyage, one, mirrored, b_bank, rudder, refusal = json.loads(done.stdout)
-    expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0).outcome.time
-    assert (voyage, b_bank) == (expected, nw.identify(nw.twin()).model["b_bank"])
+    expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0, dt=0.05).outcome.time
+    assert (voyage, b_bank) == (expected, nw.identify(short_twin()).coefficients["b_bank"])
     assert one == mirrored
     assert abs(one - expected) < 1e-9
     course = nw.steady_course(nw.published("yasukawa2015_kvlcc2"), y=[0.0, 1.0], u=1.0, Y=50.0)
@@ -62,8 +70,7 @@ own.{}
 
 @pytest.mark.parametrize("work", ["sails_to('corners')", "sails_to('midship')", "feels_gear_law_and_waterway()"])
 def test_columns_end_as_single_voyages_do(work: str) -> None:
-    beside = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, (str(TESTS), os.environ.get("PYTHONPATH"))))}
-    done = subprocess.run([sys.executable, "-c", BESIDE.format(work)], capture_output=True, text=True, env=beside)
+    done = alone(BESIDE.format(work))
     assert done.returncode == 0, done.stderr
 
 
@@ -79,7 +86,7 @@ def feels_gear_law_and_waterway() -> None:
     north = np.linspace(0.0, 200.0, 101)
     line = Centreline(np.stack([6.0 * np.sin(north / 40.0), north], axis=1))
     banks = (Bank(side, line.length * np.array([0.0, 1.0]), np.array([8.0, 7.0])) for side in ("starboard", "port"))
-    options = {"waterway": Waterway(line, *banks, name="bent"), "x": 10.0, "duration": 60.0, "dt": 0.1}
+    options = {"waterway": Waterway(line, *banks, name="bent"), "x": 10.0, "duration": 60.0, "dt": 0.25}
     options |= {"controller": nw.ConstantRudder(0.05)}
     held(nw.ensemble(model, y=[-3.0, 0.5], u=[1.1], **options), model, options)
 

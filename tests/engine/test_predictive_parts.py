@@ -30,6 +30,7 @@ from narrows.control.predictive.planner import (
     horizon_of,
     program_of,
     solve_program,
+    tracking_cost,
 )
 from narrows.control.predictive.predictive_helm import update_push
 from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
@@ -155,7 +156,7 @@ def test_the_cost_of_a_plan_is_the_sum_over_its_states() -> None:
         within = sum(state @ np.diag(weights.states) @ state for state in states[:-1])
         return float(within + states[-1] @ beyond @ states[-1] + weights.rate * (rates + z) @ (rates + z)) / 2
 
-    H, f = LOOPS.tracking_cost(off, G, rates, weights.states, weights.rate, beyond)
+    H, f = tracking_cost(off, G, rates, weights.states, weights.rate, beyond)
     assert change @ H @ change / 2 + f @ change == pytest.approx(cost(change) - cost(np.zeros(4)), rel=1e-10)
 
 

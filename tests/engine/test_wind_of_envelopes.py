@@ -1,14 +1,23 @@
 """A steady wind in envelopes: its course is that of ``steady_course`` under the force, and gusts come on top."""
 
+from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
+import pytest
+from public import one_tuning
 
 import narrows as nw
 from narrows.safety.pilots import trials
 
 SPEEDS = np.array([3.0, 5.0])
 FORCE = nw.wind_force(10.0, 4000.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def quick_pilots() -> Iterator[None]:
+    with one_tuning():
+        yield
 
 
 @cache
@@ -18,7 +27,7 @@ def kcs() -> nw.Model:
 
 def enveloped(**forces: float) -> nw.SafeEnvelope:
     calm = nw.Disturbance(0.0, gust_lever=-10.0, **forces)
-    return nw.safe_envelope(kcs(), np.array([0.0, 20.0]), SPEEDS, samples=20, disturbance=calm)
+    return nw.safe_envelope(kcs(), np.array([0.0, 20.0]), SPEEDS, samples=4, disturbance=calm)
 
 
 def test_the_reserve_is_asked_with_the_wind_on() -> None:

@@ -3,6 +3,7 @@
 import importlib.util
 import runpy
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from scipy.integrate import solve_ivp
 import narrows as nw
 from narrows.model.data_range import DataRange
 from narrows.physics.hull import drift
+from narrows.simulation.manoeuvring_trials import StoppingTest
 
 TANKER = nw.published("yasukawa2015_kvlcc2_full")
 SERIES = Path(__file__).parents[2] / "decisions/propeller_series.csv"
@@ -143,9 +145,17 @@ def test_a_crash_stop_is_that_of_an_independent_integration() -> None:
     assert found.track_reach == pytest.approx(found.head_reach, rel=1e-6)
 
 
+ORDERS = {"revolutions": -1.0, "delay": 10.0, "reversal": 60.0}
+
+
+@cache
+def stopped() -> StoppingTest:
+    return nw.crash_stop(TANKER, **ORDERS)
+
+
 def test_a_tanker_stops_as_tankers_do() -> None:
     """10 to 15 lengths from sea speed for supertankers (Journal of Navigation, reverse stopping ability), IMO: 15."""
-    found = nw.crash_stop(TANKER, revolutions=-1.0, delay=10.0, reversal=60.0)
+    found = stopped()
     assert 10.0 < found.to_dict()["track_reach_over_length"] < 15.0
     assert "IMO allows 15 L" in found.summary()
     slower = nw.crash_stop(TANKER, revolutions=-1.0, delay=60.0, reversal=120.0)
@@ -180,13 +190,12 @@ def test_transverse_thrust_is_that_of_the_esso_osaka(advance: float, share: floa
 
 
 def test_a_right_handed_propeller_astern_turns_the_bow_to_starboard() -> None:
-    orders = {"revolutions": -1.0, "delay": 10.0, "reversal": 60.0}
-    right, left = (nw.crash_stop(nw.with_transverse_thrust(TANKER, share), **orders) for share in (1.0, -1.0))
+    right, left = (nw.crash_stop(nw.with_transverse_thrust(TANKER, share), **ORDERS) for share in (1.0, -1.0))
     assert right.voyage.psi[-1] > 0 > left.voyage.psi[-1]
     assert right.side_reach > 0 > left.side_reach
     assert np.abs(right.voyage.v).max() < 1.0  # Also where the ship lies still while it drifts
     assert "transverse thrust" not in " ".join(right.notes)
-    assert "nw.with_transverse_thrust" in " ".join(nw.crash_stop(TANKER, **orders).notes)
+    assert "nw.with_transverse_thrust" in " ".join(stopped().notes)
 
 
 @pytest.mark.parametrize(("degrees", "error"), [(20.0, 1e-10), (45.0, 2e-7), (80.0, 1e-4), (89.999, 4e-4)])

@@ -9,6 +9,7 @@ from strategies import numbers
 import narrows as nw
 from narrows.waterway import Centreline
 from narrows.waterway.banks import bank_from_points
+from nightly import draws
 
 SIGN = {"starboard": 1, "port": -1}
 
@@ -37,7 +38,7 @@ def first_met(line: Centreline, s: float, sign: int, points: np.ndarray) -> floa
 
 
 @given(seed=st.integers(0, 10**6), side=st.sampled_from(sorted(SIGN)))
-@settings(max_examples=60)
+@settings(max_examples=draws(30))
 def test_any_bank_is_where_a_ray_meets_it_first(seed: int, side: str) -> None:
     draw, sign = np.random.default_rng(seed), SIGN[side]
     line = meander(draw.uniform(0, 60), int(draw.integers(20, 80)))

@@ -14,6 +14,7 @@ from strategies import numbers
 import narrows as nw
 from narrows.waterway.geojson import read_line
 from narrows.waterway.map_lines import Chart, unprojected, waterway_from_chart
+from nightly import draws
 
 NORTH = np.linspace(-1000, 1000, 5)
 PROFILE = [[0.0, 0.0], [30.0, 20.0]]
@@ -81,7 +82,7 @@ def read(path: Path, text: str) -> None:
 
 
 @given(place=st.sampled_from(PLACES), value=ANYTHING)
-@settings(max_examples=400, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=draws(150), suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_value_in_any_place_is_read_or_refused(tmp_path: Path, place: tuple, value: Any) -> None:
     read(tmp_path / "canal.geojson", json.dumps(changed(place, value)))
 

@@ -101,6 +101,25 @@ def test_a_closed_folder_is_done_without(tmp_path: Path, monkeypatch: pytest.Mon
     assert (tmp_path / "file").is_file()
 
 
+TWICE = """
+import sys
+from narrows.codegen import cache
+function = cache.import_generated("twice", ["part"], lambda: sys.argv[1]).twice
+print(function(21.0), sum(function.stats.cache_hits.values()), sum(function.stats.cache_misses.values()))
+"""
+
+
+def test_two_processes_compile_a_function_at_once_and_a_third_reads_it(tmp_path: Path) -> None:
+    environment = {**os.environ, "NARROWS_CACHE_DIR": str(tmp_path)}
+
+    def begun() -> subprocess.Popen[str]:
+        words = [sys.executable, "-c", TWICE, TEXT]
+        return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, text=True)
+
+    assert [said(process)[0] for process in (begun(), begun())] == ["42.0", "42.0"]
+    assert said(begun()) == ["42.0", "1", "0"]
+
+
 PLACES = {
     "linux": (".cache/narrows", {}),
     "darwin": ("Library/Caches/narrows", {}),

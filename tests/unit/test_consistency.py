@@ -139,8 +139,8 @@ def test_a_sensor_of_ones_own_is_a_sensor() -> None:
         def start(self, reading: Any) -> Any:
             return {}
 
-    with_it = consistency(steered(), [*ALL, Across(period=0.2)], 0.4, 1.0, twins=4, duration=20.0)
-    without = consistency(steered(), ALL, 0.4, 1.0, twins=4, duration=20.0)
+    told = {"y": 0.4, "u": 1.0, "twins": 4, "duration": 20.0, "coefficients": "certain"}
+    with_it, without = (consistency(steered(), sensors, **told) for sensors in ([*ALL, Across(period=0.2)], ALL))
     assert 0.8 < with_it.mean_nis["laser"] < 1.2
     y = with_it.states.index("y")
     assert np.nanmean(with_it.std[..., y]) < np.nanmean(without.std[..., y])
@@ -166,7 +166,7 @@ def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
 
 
 def test_results_speak_and_draw() -> None:
-    found = tried()
+    found = tried(twins=2, duration=12.0)
     assert isinstance(found, BaseResult)
     assert json.loads(to_json(found.to_dict()))["twins"] == len(found.nees)
     assert found.plot().axes[0].has_data()

@@ -197,7 +197,7 @@ def test_choices_are_types(function, name: str) -> None:
 
 def test_identify_reads_a_table(tmp_path) -> None:
     read = short_twin()
-    known = nw.identify(read).coefficients
+    known = SHOWN["fit"].coefficients
     frame = frame_of(read)
     frame.to_parquet(tmp_path / "t.parquet")
     for table in (frame, tmp_path / "t.parquet", str(tmp_path / "t.parquet")):
@@ -209,7 +209,7 @@ def test_identify_reads_a_table(tmp_path) -> None:
 
 
 def test_predictions_of_tests_without_forces() -> None:
-    fit = nw.identify(short_twin())
+    fit = SHOWN["fit"]
     bare = frame_of(short_twin()).drop(columns=["X", "Y", "N"])
     pd.testing.assert_frame_equal(fit.predict(bare), fit.predict(), check_exact=False)
     measured = frame_of(short_twin()).set_index(["test", "t"])[["X", "Y", "N"]]
@@ -219,7 +219,7 @@ def test_predictions_of_tests_without_forces() -> None:
 
 
 def test_a_report_of_one_fit(tmp_path) -> None:
-    fit = nw.identify(short_twin())
+    fit = SHOWN["fit"]
     fit.report(tmp_path / "a.html", "of the twin")
     page = (tmp_path / "a.html").read_text()
     assert "of the twin" in page
@@ -251,7 +251,7 @@ def test_tests_of_several_tables_are_put_together() -> None:
     rows = [first.to_dataframe(), second.to_dataframe().assign(test=lambda frame: frame["test"] + " again")]
     both = nw.read_captive(pd.concat(rows), first.configuration)
     assert both.names == (*first.names, *(f"{name} again" for name in first.names))
-    assert nw.identify(both).std["b_v"] < 1.1 * nw.identify(first).std["b_v"]
+    assert nw.identify(both).std["b_v"] < 1.1 * SHOWN["fit"].std["b_v"]
 
 
 @pytest.mark.parametrize(

@@ -19,10 +19,15 @@ WITH_EXAMPLE = [name for name, thing in PUBLIC.items() if ">>>" in (inspect.getd
 MOST_WITHOUT = 46
 
 
+CONDITIONS = nw.measured_tests("kcs").by_condition()
+# An example that shows another condition than most.
+OTHER_TESTS = {"identify_conditions": {"tests": CONDITIONS["C0101A01"]}}
+
+
 @pytest.fixture(scope="module")
 def names() -> dict[str, Any]:
     """What the examples share: a model with banks, a ready ship at full size, measured tests and their fit."""
-    tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
+    tests = CONDITIONS["C0101A03"]  # Fitted quickest
     models = {"model": nw.published("mikkelsen2025_dtc"), "kcs": nw.published("estimated_kcs")}
     return {"nw": nw, "np": np, "tests": tests, "fit": nw.identify(tests), **models}
 
@@ -39,7 +44,7 @@ def folder(tmp_path: Path) -> Iterator[Path]:
 @pytest.mark.usefixtures("folder")
 def test_an_example_prints_what_it_shows(name: str, names: dict[str, Any]) -> None:
     text = inspect.getdoc(PUBLIC[name]) or ""
-    example = doctest.DocTestParser().get_doctest(text, dict(names), name, None, None)
+    example = doctest.DocTestParser().get_doctest(text, names | OTHER_TESTS.get(name, {}), name, None, None)
     report: list[str] = []
     failed, tried = doctest.DocTestRunner(verbose=False).run(example, out=report.append)
     assert tried > 0

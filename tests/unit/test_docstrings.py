@@ -6,6 +6,7 @@ import re
 import textwrap
 from collections.abc import Iterator
 from enum import Enum
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,7 @@ def has_own_signature(thing: Any) -> bool:
     return not (inherits or issubclass(thing, Exception | Enum) or getattr(thing, "_is_protocol", False))
 
 
+@cache
 def parsed(thing: Any) -> docstring_parser.Docstring:
     return docstring_parser.parse(inspect.getdoc(thing) or "", docstring_parser.DocstringStyle.NUMPYDOC)
 
@@ -53,6 +55,7 @@ def at_fields(thing: Any) -> dict[str, str]:
     return in_words | {name: f"[{unit}] {meaning}" for name, unit, meaning in numbers}
 
 
+@cache
 def documented(thing: Any) -> dict[str, str]:
     """Each parameter of a docstring with its description; ``x, y`` are two."""
     return at_fields(thing) | {

@@ -53,7 +53,9 @@ def steered_kcs() -> nw.Model:
     """The tank's own, to lend its rudder."""
     terms = table_named("speed+helm")
     tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    return nw.identify(tests, terms).model
+    fit = nw.identify(tests, terms)
+    # Without the verdicts, which take seconds.
+    return nw.Model(tests.configuration, terms, fit.coefficients, np.asarray(fit.covariance), fit.data_range)
 
 
 @pytest.fixture(scope="module")
@@ -333,7 +335,7 @@ class TestEnvelope:
 
 @pytest.fixture(scope="module")
 def asked(tested: nw.Model) -> nw.SafeEnvelope:
-    return nw.safe_envelope(tested)
+    return nw.safe_envelope(tested, samples=100)
 
 
 class TestTruth:
@@ -366,12 +368,13 @@ class TestTruth:
 
     def test_seeds_agree(self, tested: nw.Model, asked: nw.SafeEnvelope) -> None:
         """Where 200 draws gave +-22 m by one seed and +-29 m by another."""
-        other = nw.safe_envelope(tested, asked.data["y"].to_numpy(), [3.0], seed=7)
-        far, also = (_edge(found, 3.0) for found in (asked, other))
+        offsets = asked.data["y"].to_numpy()
+        found = (nw.safe_envelope(tested, offsets[offsets >= 0.0], [3.0], seed=seed) for seed in (0, 7))
+        far, also = (_edge(one, 3.0) for one in found)
         assert far == pytest.approx(also, abs=float(asked.data["y"].diff("y").max()))
 
     def test_what_the_number_of_cases_leaves_uncertain_is_said(self, doubtful: nw.Model) -> None:
-        offsets, speeds = np.linspace(55.0, 75.0, 21), np.array([4.0])
+        offsets, speeds = np.linspace(55.0, 75.0, 11), np.array([4.0])
         doubtful = replace(doubtful, covariance=4 * doubtful.covariance)
         few = nw.safe_envelope(doubtful, offsets, speeds, samples=50)
         assert "With 50 cases this is uncertain everywhere; more samples (--samples, " in few.summary()

@@ -80,13 +80,13 @@ def test_drifts_are_geometric_sums_of_innovations() -> None:
 
 
 def test_drawn_errors_have_the_declared_size_and_memory() -> None:
-    """A Gauss-Markov error: its standard deviation, and a correlation of 1/e after its time, here 20 readings."""
+    """A Gauss-Markov error: its standard deviation, and a correlation of 1/e after its time, here 5 readings."""
     random = np.random.default_rng(3)
-    process = ErrorProcess(Log(noise=1e-9, period=0.5, coloured=GaussMarkov(0.4, 10.0)), random)
+    process = ErrorProcess(Log(noise=1e-9, period=0.5, coloured=GaussMarkov(0.4, 2.5)), random)
     at = SimpleNamespace(u=0.0)
-    drawn = np.array([process.reading(at) for _ in range(40_000)])
+    drawn = np.array([process.reading(at) for _ in range(10_000)])
     assert drawn.std() == pytest.approx(0.4, rel=0.08)
-    assert np.corrcoef(drawn[:-20], drawn[20:])[0, 1] == pytest.approx(np.exp(-1), abs=0.06)
+    assert np.corrcoef(drawn[:-5], drawn[5:])[0, 1] == pytest.approx(np.exp(-1), abs=0.06)
     first = [ErrorProcess(process.sensor, random).reading(at) for _ in range(2000)]
     assert np.std(first) == pytest.approx(0.4, rel=0.08)  # stationary from the start
 

@@ -5,12 +5,12 @@ from contextlib import contextmanager
 from weakref import WeakSet
 
 import pytest
-from test_learn import manoeuvred, mistaken
+from test_learn import errs, manoeuvred, mistaken
 
 import narrows as nw
 from narrows.logbook.filtering import likelihood
 
-TOLD = {"sensors": "basin", "spread": 0.1, "free": ("N_v", "N_r")}
+TOLD = {"sensors": "basin", "spread": errs("N_v", "N_r"), "free": ("N_v", "N_r")}
 COUNT = 4
 
 

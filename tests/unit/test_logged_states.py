@@ -69,7 +69,7 @@ def test_a_monitor_gives_the_alerts_of_a_recording_in_order() -> None:
     assert voyage.grounded
     monitor = nw.Monitor(KCS, members=50)
     recording = voyage.to_dataframe()[STATES]
-    alerts = monitor.run(recording[recording.t > voyage.t[-1] - 120.0])
+    alerts = monitor.run(recording[recording.t > voyage.t[-1] - 60.0])
     banks = [alert for alert in alerts if "bank to port" in alert.text]
     assert [one.changed for one in alerts] == sorted(one.changed for one in alerts)
     assert 30 < voyage.t[-1] - banks[0].changed < 120

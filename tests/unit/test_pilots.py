@@ -38,19 +38,23 @@ LENGTH, BEAM = 230.0, 32.2
 
 
 @cache
+def tank() -> nw.Model:
+    """The KCS at 50 % clearance."""
+    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
+    return nw.identify(tests, nw.STEERED).model
+
+
+@cache
 def doubtful() -> nw.Model:
     """The KCS at 50 % clearance at full size, as if its tests told five times as much, of a range that nobody knows."""
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    tank = nw.identify(tests, nw.STEERED).model
-    full = nw.scale_model(tank, LENGTH, 1025.0, width=300.0, depth=16.2).model
+    full = nw.scale_model(tank(), LENGTH, 1025.0, width=300.0, depth=16.2).model
     return replace(full, covariance=full.covariance / 25, data_range=DataRange(*((0.0, 1e6),) * 6))
 
 
 @cache
 def narrow() -> nw.Model:
     """The KCS with a stated bank, in a canal as narrow for it as the Suez section for the largest ships."""
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    full = nw.scale_model(nw.identify(tests, nw.STEERED).model, LENGTH, 1025.0, width=118.0, depth=16.2).model
+    full = nw.scale_model(tank(), LENGTH, 1025.0, width=118.0, depth=16.2).model
     full = full.with_coefficients(b_bank=0.0, c_bank=0.05)
     return replace(full, data_range=DataRange(*((0.0, 1e6),) * 6))
 

@@ -109,7 +109,7 @@ def test_gusts_that_come_and_go_hide_the_bank() -> None:
 
 def test_a_straight_waterway_is_its_canal() -> None:
     way = nw.straight_waterway(ship().configuration.canal, 60.0)
-    told = {"duration": 40.0}
+    told = {"duration": 20.0}
     along = nw.predict_information(ship(), way, OWN, u=SPEED, conditions=BREEZE, **told)
     assert along.std["c_bank"] == pytest.approx(predicted(**told).std["c_bank"], rel=1e-3)
 

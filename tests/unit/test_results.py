@@ -14,11 +14,10 @@ from matplotlib.figure import Figure
 import narrows as nw
 from narrows.base.files import to_json
 from narrows.base.results import BaseResult
-from narrows.captive.measured import measured_files
+from narrows.identification.fitting import bundled_ship
 from narrows.identification.plan import plan_tests
 from narrows.model.tables import table_named
 from narrows.studies.mikkelsen2025 import reproduce
-from readers_files import TURNED
 from tables import short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -26,8 +25,8 @@ DEEP = nw.Configuration(nw.Ship(230.0, 32.2, 10.8, 0.65), nw.Canal(300.0, 16.2))
 
 
 def steered_kcs() -> nw.Model:
-    tests = nw.read_captive(*measured_files("kcs"), TURNED).by_condition()["C0101A02"]
-    return nw.identify(tests, table_named("speed+helm")).model
+    """A fit that is kept for other tests."""
+    return bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm"))
 
 
 @cache

@@ -13,8 +13,10 @@ import narrows as nw
 from narrows.base.files import plain, to_json
 from narrows.captive.measured import measured_files
 from narrows.cli import app
+from narrows.identification.fitting import bundled_ship
 from narrows.model.tables import table_named
 from narrows.warning.monitoring.demonstration import bridge_sentences
+from tables import DTC_SHIP, frame_of, short_twin, written
 
 pytest.importorskip("jsonschema", reason="of the group test")
 from jsonschema import Draft202012Validator
@@ -25,7 +27,6 @@ SCHEMAS = {path.stem: json.loads(path.read_text()) for path in FOLDER.glob("*.js
 KNOWN = Registry().with_resources([(f"{verb}.json", Resource.from_contents(own)) for verb, own in SCHEMAS.items()])
 
 
-TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 VERBS = {name for name, verb in app.commands.items() if any(one.name == "json" for one in verb.params)}
 
 
@@ -50,24 +51,22 @@ def test_a_schema_refuses_what_it_does_not_know(verb: str) -> None:
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A model with a rudder at full size, that of the tests, and a waterway."""
+    """A model with a rudder at full size, a table of tests, and a waterway."""
     folder = tmp_path_factory.mktemp("schemas")
     table, ship = measured_files("kcs")
-    terms = table_named("speed+helm")
-    tests = nw.read_captive(table, ship, TURNED).by_condition()["C0101A02"]
-    tank = nw.identify(tests, terms).model
-    nw.save_model(tank, folder / "tank.toml")
-    nw.save_model(nw.scale_model(tank, 230.0, width=300.0, depth=16.2).model, folder / "full.toml")
+    # This fit is kept for other tests.
+    nw.save_model(bundled_ship(230.0, 300.0, 16.2, table_named("speed+helm")), folder / "full.toml")
     canal = replace(nw.straight_waterway(nw.Canal(300.0, 16.2), 4000.0), origin=(7.6, 52.0))
     nw.write_waterway(canal, folder / "canal.geojson")
     (folder / "held.csv").write_text(HELD)
+    (folder / "dtc.toml").write_text(DTC_SHIP)
     still = {"y": 3.0, "psi": 0.0, "r": 0.0, "u": 4.0, "course": 0.0, "speed": 4.0, "rudder": 0.0}
     told = [line for t in range(6) for line in bridge_sentences(canal, {**still, "x": 900.0 + 4.0 * t}, 1.7e9 + t)]
     (folder / "bridge.nmea").write_text("".join(told))
     return {
-        "table": Path(table), "ship": Path(ship), "tank": folder / "tank.toml", "full": folder / "full.toml",
+        "table": Path(table), "ship": Path(ship), "full": folder / "full.toml",
         "canal": folder / "canal.geojson", "legs": folder / "held.csv", "told": folder / "bridge.nmea",
-        "out": folder / "out",
+        "out": folder / "out", "twin": written(frame_of(short_twin()), folder / "twin.csv"), "dtc": folder / "dtc.toml",
     }  # fmt: skip
 
 
@@ -75,7 +74,7 @@ HELD = "y,u [kn],rudder [deg],drift [deg]\n40,8,4.0,0.9\n-40,8,-3.0,-0.9\n"
 WORDS = {
     "demo": "--out {out}",
     "identify": "{table} --ship {ship} --condition C0101A02",
-    "explain": "mikkelsen2025_dtc {table} --ship {ship} --condition C0101A02 --compare speed,paper+distance_depth",
+    "explain": "mikkelsen2025_dtc {twin} --ship {dtc} --compare speed,paper+distance_depth",
     "plan": "{ship} --runs 2 --targets b_bank,a_udot",
     "export": "c mikkelsen2025_dtc -o {out}.h",
     "scale": "mikkelsen2025_dtc --length 355",
@@ -87,7 +86,7 @@ WORDS = {
     "learn": "{full} --steady {legs}",
     "monitor": "{full} --waterway {canal} --replay {told} --page --port 0 --pace 1000",
     "trials": "yasukawa2015_kvlcc2 --speed 1.179 --zigzags 10/10",
-    "compare": "kcs --condition C0101A01 --terms paper,crossflow",
+    "compare": "{twin} --ship {dtc} --terms paper,crossflow",
     "linearize": "estimated_kcs --y 20 --speed 4",
     "squat": "estimated_kcs --speed 6kn,8kn",
     "waterway": "{canal} --draft 10",

@@ -26,6 +26,7 @@ from narrows.warning.alerts.alert import (
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of, update_of
+from nightly import draws
 
 FAN_MEMBERS, REQUEST_QUEUE = 32, 64  # ships of the fan; requests that wait between two updates
 
@@ -49,7 +50,7 @@ def test_what_is_no_request_is_none(wrong: dict[str, Any]) -> None:
 VALUES = st.none() | st.booleans() | st.floats() | st.text(max_size=8) | st.lists(st.integers(), max_size=3)
 
 
-@settings(max_examples=50)
+@settings(max_examples=draws(25))
 @given(st.text() | VALUES.map(json.dumps) | st.dictionaries(st.sampled_from([*GOOD]), VALUES).map(json.dumps))
 def test_noise_is_no_request_and_never_raises(noise: str) -> None:
     assert request_of(noise) is None

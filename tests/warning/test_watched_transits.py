@@ -2,6 +2,7 @@
 
 import json
 import signal
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from narrows.cli.watching import end_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
 from narrows.warning.alerts.alert import logged
 from narrows.warning.inputs.bridge_readings import BridgeReadings
-from narrows.warning.monitoring import watched_transit
+from narrows.warning.monitoring import bridge_monitor, watched_transit
 from narrows.warning.monitoring.demonstration import demonstration
 from narrows.warning.monitoring.watched_transit import (
     PREDICTORS,
@@ -91,8 +92,12 @@ def test_a_transit_of_which_no_place_is_known_has_a_page_without_a_map(tmp_path:
 
 
 @pytest.mark.slow
-def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) -> None:
+@pytest.mark.parametrize("members", [100, 1000])
+def test_the_demonstration_warns_before_the_ship_is_near(
+    members: int, tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """An alarm, a minute before it is aground, as is said at last; table, page and log of alerts say the same."""
+    monkeypatch.setattr(bridge_monitor, "BridgeMonitor", partial(bridge_monitor.BridgeMonitor, members=members))
     files = {"--report": "r.html", "-o": "t.csv", "--log": "a.db", "--recording": "b.nmea"}
     words = [word for option, name in files.items() for word in (option, str(tmp_path / name))]
     code, out, err = cli("monitor", "--demo", "--json", *words)

@@ -38,10 +38,8 @@ Pool = Literal["depth"]
 # Stretches of each test: their scatter about a fit to it gives the noise.
 PIECES = 8
 DEFAULT_ERRORS = RunErrors()
-# A ship at full size from the tests that come with the package, for demonstrations.
+# Tests of the ship for demonstrations, which has 50 % of its draft under the keel.
 ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
-# 50 % under the keel; of the water [kg/m3].
-CONDITION, DENSITY = "C0101A02", 1025.0
 
 
 @accept_aliases
@@ -174,11 +172,13 @@ def _conditions(tests: Tests, condition: str | None) -> Mapping[str, Tests]:
 
 
 @cache
+def bundled_model(terms: TermTable) -> Model:
+    return identify(read_captive(*measured_files("kcs"), ROWS).by_condition()["C0101A02"], terms).model
+
+
 def bundled_ship(length: float, width: float, depth: float | None = None, terms: TermTable = STEERED) -> Model:
     """Return the KCS as identified from the bundled tests, with its rudder, at another length [m]."""
-    table, ship = measured_files("kcs")
-    fit = identify_conditions(read_captive(table, ship, ROWS), terms=terms)[CONDITION]
-    return scale_model(fit.model, length, DENSITY, width=width, depth=depth).model
+    return scale_model(bundled_model(terms), length, 1025.0, width=width, depth=depth).model
 
 
 # Names of the tables that are compared by default, the last without any bank.

@@ -21,6 +21,7 @@ SUFFIXES = (
     "m", "mm", "deg", "rad", "mps", "mps2", "degps", "degps2", "radps", "radps2", "s", "N", "kN", "Nm", "kNm", "kn",
     "rpm", "rps",
 )  # fmt: skip
+EPOCH = pd.Timestamp("1970-01-01", tz="UTC")  # In microseconds: dates from 2263 on exceed 64 bits of nanoseconds
 
 
 class Vocabulary(NamedTuple):
@@ -164,7 +165,7 @@ def with_seconds(frame: pd.DataFrame) -> pd.DataFrame:
         dotted = r"^(\d\d)\.(\d\d)\.(\d{4})[ T]"  # With dots the day comes first
         words = words.str.replace(dotted, r"\3-\2-\1T", regex=True)
         dates = words.where(words.str.match(r"\d{4}-\d\d-\d\d"))
-        times = pd.to_datetime(dates, errors="coerce", format="ISO8601", utc=True) - pd.Timestamp(0, tz="UTC")
+        times = pd.to_datetime(dates, errors="coerce", format="ISO8601", utc=True) - EPOCH
     return frame if times.isna().any() else frame.assign(t=times.dt.total_seconds())
 
 

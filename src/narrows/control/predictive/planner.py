@@ -168,7 +168,7 @@ class Planner:
         self, plan: RudderPlan, e: np.ndarray, G: np.ndarray, reference: np.ndarray, beyond: np.ndarray
     ) -> QuadraticProgram:  # fmt: skip
         nodes, x, loops = plan.states[1:], plan.x[1:], compiled_loops(plan_loops)
-        cost = loops.tracking_cost(nodes + e - reference, G, plan.rates, self.weights.states, self.weights.rate, beyond)
+        cost = tracking_cost(nodes + e - reference, G, plan.rates, self.weights.states, self.weights.rate, beyond)
         off, by_heading, ahead = loops.corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
         there = self.water.at((x + ahead).ravel())
         walls = [there[name].reshape(ahead.shape) - self.margins for name in ("keel_starboard", "keel_port")]
@@ -176,6 +176,16 @@ class Planner:
         # The rudder after each interval, and how changes of the rates move it.
         rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
+
+
+def tracking_cost(
+    off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: np.ndarray, by_rate: float, beyond: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return H and f of the cost of deviations from the reference and of turning the rudder."""
+    weighted, rows = weights.reshape(-1, 1) * G, (-1, len(rates))
+    weighted[-1] = beyond @ G[-1]
+    H = by_rate * np.eye(len(rates)) + G.reshape(rows).T @ weighted.reshape(rows)
+    return H, by_rate * rates + off.ravel() @ weighted.reshape(rows)
 
 
 def program_of(
