@@ -31,11 +31,11 @@ def test_seven_tests_do_not_establish_a_change_of_sign() -> None:
     assert fit.verdicts["b_bank_depth"].status != "identified"
 
 
-def test_terms_of_the_hull_take_the_bank_away(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    for tests in kcs_tests.values():
-        paper, crossflow = (nw.identify(tests, terms) for terms in (nw.PAPER, nw.CROSSFLOW))
-        for force in ("Y", "N"):
-            assert crossflow.left_out[force].rmse < paper.left_out[force].rmse
-            assert crossflow.left_out_speeds[force].rmse < paper.left_out_speeds[force].rmse
-        low, high = crossflow.intervals["b_bank"]
-        assert low < 0 < high
+@pytest.mark.parametrize("clearance", [100, 50, 20])
+def test_terms_of_the_hull_take_the_bank_away(kcs_tests: dict[int, nw.CaptiveTests], clearance: int) -> None:
+    paper, crossflow = (nw.identify(kcs_tests[clearance], terms) for terms in (nw.PAPER, nw.CROSSFLOW))
+    for force in ("Y", "N"):
+        assert crossflow.left_out[force].rmse < paper.left_out[force].rmse
+        assert crossflow.left_out_speeds[force].rmse < paper.left_out_speeds[force].rmse
+    low, high = crossflow.intervals["b_bank"]
+    assert low < 0 < high

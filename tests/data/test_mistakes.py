@@ -217,7 +217,7 @@ def test_a_rudder_is_passed_over_on_the_command_line(cli) -> None:
     code, out, err = cli(*asked)
     assert (code, out) == (2, "")
     assert "--where 'abs(rudder_deg) < 1'" in err
-    few = ("identify", table, "--ship", ship, "--where", f"{TURNED} and type == 'PMMY2'", "--condition", "C0101A01")
+    few = ("identify", table, "--ship", ship, "--where", f"{TURNED} and type == 'PMMY2'", "--condition", "C0101A03")
     assert cli(*few, "--pass-over", "rudder")[0] in (0, 1)
     assert cli(*few, "--terms", "speed+helm")[0] in (0, 1)
     assert "pass_over = 'heave' is unknown" in cli(*asked, "--pass-over", "heave")[2]

@@ -72,9 +72,9 @@ def test_the_delay_that_it_tells_is_the_one_that_loses_the_ship() -> None:
     told = loop().margins()["delay"]
 
     def farthest(steps: int) -> float:
-        begun = {"u": SPEED, "dt": 1.0, "duration": 4000.0, **loop().course}
+        begun = {"u": SPEED, "dt": 1.0, "duration": 3000.0, **loop().course}
         voyage = nw.simulate(full_size(), HOLD - 1.0, controller=Exactly(law(), steps), **begun)
-        return float(np.abs(voyage.y[voyage.t > 2000.0] - HOLD).max(initial=0.0)) if len(voyage.t) > 2001 else math.inf
+        return float(np.abs(voyage.y[voyage.t > 1500.0] - HOLD).max(initial=0.0)) if len(voyage.t) > 1501 else math.inf
 
     assert farthest(math.floor(0.9 * told)) < 0.5
     assert farthest(math.ceil(1.1 * told)) > 1.5
@@ -124,7 +124,7 @@ SENSORS = [Gnss(1.5), Gyro(), RateOfTurn(), Log(), RudderIndicator()]
 
 def test_a_loop_with_sensors_keeps_its_line() -> None:
     made = loop(sensors=SENSORS)
-    one, same, other = (made.simulate(duration, seed) for duration, seed in ((300.0, 1), (60.0, 1), (60.0, 2)))
+    one, same, other = (made.simulate(duration, seed) for duration, seed in ((200.0, 1), (60.0, 1), (60.0, 2)))
     assert np.abs(one.y - HOLD).max() < 4.0
     np.testing.assert_array_equal(one.y[: len(same.y)], same.y)
     assert np.abs(same.y - other.y).max() > 0.01
@@ -151,7 +151,7 @@ def test_declared_errors_of_sensors_are_drawn() -> None:
     """Fixes with a slow error of 1.5 m move the ship off its line by about as much; certain ones do not."""
     sure, slow = ([Gnss(0.1, coloured=error), *SENSORS[1:]] for error in (None, GaussMarkov(1.5, 60.0)))
     off = [
-        np.std([loop(sensors=own).simulate(300.0, seed).y[150:] - HOLD for seed in range(2)]) for own in (sure, slow)
+        np.std([loop(sensors=own).simulate(200.0, seed).y[100:] - HOLD for seed in range(2)]) for own in (sure, slow)
     ]
     assert off[0] < 0.5 < off[1] < 3.0
 
@@ -170,7 +170,7 @@ def test_a_helm_reads_the_rudder_with_the_noise_of_its_indicator() -> None:
 
 def test_late_readings_are_of_the_past() -> None:
     late = [Gnss(1.5, delay=3.0), *SENSORS[1:]]
-    assert np.abs(loop(sensors=late).simulate(300.0, 1).y - HOLD).max() < 4.0
+    assert np.abs(loop(sensors=late).simulate(200.0, 1).y - HOLD).max() < 4.0
 
 
 def test_a_ship_that_is_another_than_the_law_was_made_for_is_linearised_where_it_settles() -> None:

@@ -133,14 +133,22 @@ def test_the_chart_has_a_key_for_white_and_starts_at_the_lowest_speed(found: Env
     assert figure.axes[0].get_ylim()[0] == pytest.approx(SPEEDS[0] / KNOT)
 
 
+FEW = ("--y", "0,30", "--speed", "6kn,9kn", "--samples", 3)
+
+
+def test_a_straight_canal_from_a_map_has_one_envelope(tmp_path: Path, cli) -> None:
+    """Its sections differ by what degrees and metres round."""
+    path, straight = tmp_path / "way.geojson", nw.straight_waterway(ship().canal, 600.0)
+    nw.write_waterway(replace(straight, origin=(5.0, 52.0)), path)
+    along = nw.envelope_along(ship(), nw.read_waterway(path), [0.0, 290.0, 600.0], y=[0.0], u=[4.0], samples=2)
+    assert len({id(one) for one in along.envelopes}) == 1
+    code, out, _ = cli("envelope", "estimated_kcs", *FEW, "--waterway", path, "--along", "all")
+    assert (code, "11 places" in out) == (0, True)
+
+
 def test_the_verb(tmp_path: Path, cli) -> None:
     nw.write_waterway(way(), tmp_path / "way.geojson")
-    straight = replace(nw.straight_waterway(ship().canal, 600.0), origin=(5.0, 52.0))
-    nw.write_waterway(straight, tmp_path / "straight.geojson")
-    few = ("--y", "0,30", "--speed", "6kn,9kn", "--samples", 3)
-    words = ("envelope", "estimated_kcs", *few, "--waterway", tmp_path / "way.geojson")
-    code, out, _ = cli(*words[:-1], tmp_path / "straight.geojson", "--along", "all")
-    assert (code, "11 places" in out) == (0, True)
+    words = ("envelope", "estimated_kcs", *FEW, "--waterway", tmp_path / "way.geojson")
     files = ("-o", tmp_path / "along.nc", "--plot", tmp_path / "a.png")
     code, out, err = cli(*words, "--along", "0,2500", "--json", *files)
     assert code == 0, err

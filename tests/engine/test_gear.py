@@ -151,7 +151,7 @@ def test_the_predictive_helm_stands_a_gear_that_it_is_not_told_of() -> None:
     import plans
 
     model, off = geared(plans.ship(), dead_time=0.3, lag=0.5), plans.ship().configuration.ship.length / 230.0
-    start = {"y": plans.HOLD + off, "u": plans.SPEED, "duration": 40.0, "dt": 0.13}
+    start = {"y": plans.HOLD + off, "u": plans.SPEED, "duration": 30.0, "dt": 0.13}
     voyage = nw.simulate(model, **start, controller=plans.helm())
     assert voyage.outcome.kind == "afloat"
     assert np.abs(voyage.y - plans.HOLD).max() < 2.0 * off

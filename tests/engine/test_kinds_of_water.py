@@ -15,7 +15,7 @@ from narrows.waterway import Bank, Centreline, Waterway
 
 LENGTH = 4000.0
 STARTS = {"y": [-20.0, 30.0], "u": [3.0, 5.5]}
-TOLD: dict[str, Any] = {"x": 200.0, "psi": 0.004, "duration": 700.0, "dt": 2.0}
+TOLD: dict[str, Any] = {"x": 200.0, "psi": 0.004, "duration": 700.0, "dt": 4.0}
 
 
 @cache

@@ -179,6 +179,6 @@ def test_the_matrix_meets_every_end() -> None:
 
 def test_the_cells_are_told_apart() -> None:
     """A hull that ended as another does would hold nothing."""
-    cells = [Case("steered", "waterway", "held", "constant", contact) for contact in ("corners", "outline", "midship")]
-    corners, outline, midship = (cell.reference(1).end(cell.shape).time for cell in cells)
+    cells = [Case("paper", "straight", "held", "constant", contact) for contact in ("corners", "outline", "midship")]
+    corners, outline, midship = (cell.reference(start_of(cell)).end(cell.shape).time for cell in cells)
     assert corners < outline < midship

@@ -25,8 +25,8 @@ sys.modules["numba"], threading.Thread.start = None, refused
 import narrows as nw
 from tables import short_twin
 model = nw.published("mikkelsen2025_dtc")
-voyage = nw.simulate(model, y=0.5, u=1.0, dt=0.05)
-fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0, dt=0.05)
+voyage = nw.simulate(model, y=0.5, u=1.0, dt=0.2)
+fleet = nw.ensemble(model, y=[0.5, -0.5], u=1.0, dt=0.2)
 fit = nw.identify(short_twin())
 model.forces(y=1.0, u=1.0), nw.stability(fit.model, y=0.5, u=1.0), nw.derivative(model, [0, 0.5, 0, 1, 0, 0])
 tanker = nw.published("yasukawa2015_kvlcc2")
@@ -51,7 +51,7 @@ def test_what_works_where_numba_and_threads_do_not() -> None:
     done = alone(BROWSER)
     assert done.returncode == 0, done.stderr
     voyage, one, mirrored, b_bank, rudder, refusal = json.loads(done.stdout)
-    expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0, dt=0.05).outcome.time
+    expected = nw.simulate(nw.published("mikkelsen2025_dtc"), y=0.5, u=1.0, dt=0.2).outcome.time
     assert (voyage, b_bank) == (expected, nw.identify(short_twin()).coefficients["b_bank"])
     assert one == mirrored
     assert abs(one - expected) < 1e-9
@@ -86,7 +86,7 @@ def feels_gear_law_and_waterway() -> None:
     north = np.linspace(0.0, 200.0, 101)
     line = Centreline(np.stack([6.0 * np.sin(north / 40.0), north], axis=1))
     banks = (Bank(side, line.length * np.array([0.0, 1.0]), np.array([8.0, 7.0])) for side in ("starboard", "port"))
-    options = {"waterway": Waterway(line, *banks, name="bent"), "x": 10.0, "duration": 60.0, "dt": 0.25}
+    options = {"waterway": Waterway(line, *banks, name="bent"), "x": 10.0, "duration": 45.0, "dt": 0.5}
     options |= {"controller": nw.ConstantRudder(0.05)}
     held(nw.ensemble(model, y=[-3.0, 0.5], u=[1.1], **options), model, options)
 

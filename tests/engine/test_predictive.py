@@ -112,14 +112,14 @@ def test_it_comes_back_to_its_offset_within_the_limits_of_the_gear() -> None:
 
 
 def test_a_steady_push_that_it_does_not_know_leaves_no_offset() -> None:
-    pushed, held = flown(60.0, N=-4.0, Y=3.0), flown(20.0)
+    pushed, held = flown(40.0, N=-4.0, Y=3.0), flown(10.0)
     assert abs(pushed.rudder[-1] - held.rudder[-1]) > 0.02  # it takes a rudder
     assert off_at_the_end(pushed) < 0.02 * ship().configuration.ship.beam
 
 
 def test_banks_of_another_strength_leave_no_offset() -> None:
     truth = ship().with_coefficients(b_bank=0.2, c_bank=0.03)
-    voyage = nw.simulate(truth, y=HOLD, u=SPEED, duration=90.0, dt=0.1, controller=helm())
+    voyage = nw.simulate(truth, y=HOLD, u=SPEED, duration=50.0, dt=0.1, controller=helm())
     assert off_at_the_end(voyage) < 0.02 * ship().configuration.ship.beam
 
 
@@ -137,9 +137,9 @@ def test_it_keeps_farther_from_the_bank_where_the_coefficients_are_known_less() 
 def test_it_begins_to_turn_before_the_bend_and_holds_its_line_through_it() -> None:
     way = channel()
     voyage = nw.simulate(
-        ship(), y=0.0, u=SPEED, duration=50.0, dt=0.1, waterway=way, controller=helm(0.0, waterway=way)
+        ship(), y=0.0, u=SPEED, duration=40.0, dt=0.1, waterway=way, controller=helm(0.0, waterway=way)
     )
-    blind = nw.simulate(ship(), y=0.0, u=SPEED, duration=50.0, dt=0.1, waterway=way, controller=helm(0.0))
+    blind = nw.simulate(ship(), y=0.0, u=SPEED, duration=40.0, dt=0.1, waterway=way, controller=helm(0.0))
     before = (voyage.x > 12.0) & (voyage.x < 15.0)
     assert np.abs(voyage.rudder[before]).max() > 10 * np.abs(blind.rudder[before]).max()
     assert np.abs(voyage.y).max() < 0.25 * ship().configuration.ship.beam < np.abs(blind.y).max()
@@ -168,7 +168,7 @@ def test_it_comes_nearer_to_the_middle_where_its_rudder_is_not_enough() -> None:
     """No more than 0.7 of the rudder's limit is to hold the offset."""
     most = 0.7 * ship().configuration.gear.limit
     assert abs(float(nw.steady_course(ship(), y=1.9, u=SPEED).rudder)) > 1.1 * most
-    voyage = flown(100.0, y=1.9, controller=helm(1.9))
+    voyage = flown(60.0, y=1.9, controller=helm(1.9))
     assert voyage.outcome.kind == "afloat", voyage.outcome.sentence
     assert np.abs(voyage.rudder[-100:]).max() == pytest.approx(most, rel=0.03)
     assert 1.5 < voyage.y[-1] < 1.85
@@ -257,7 +257,7 @@ def test_the_linear_quadratic_regulator_steers_where_a_program_has_no_answer(
         def begin(self) -> VoyageOrders:
             return order
 
-    assert off_at_the_end(flown(y=1.3, controller=Known())) < 0.05
+    assert off_at_the_end(flown(40.0, y=1.3, controller=Known())) < 0.05
     assert order.without_plan > 10
 
 

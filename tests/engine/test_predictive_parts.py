@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from arguments import by_depth
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad_vec
 from scipy.linalg import expm
@@ -37,6 +37,7 @@ from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.steady_course import LocalMotion, LocalWater, along_line
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
+from nightly import draws
 
 # Of a hull, ahead and to starboard, in halves of the length and of the beam.
 CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
@@ -111,6 +112,7 @@ def bend(radius: float) -> Waterway:
     return Waterway(Centreline(points), Bank("starboard", ends, np.full(2, 20.0)), Bank("port", ends, np.full(2, 20.0)))
 
 
+@settings(max_examples=draws(10))
 @given(st.floats(-8.0, 8.0), st.floats(-0.2, 0.2))
 def test_corners_beside_a_bend_are_where_the_map_has_them(y: float, psi: float) -> None:
     radius, half_length, half_beam = 250.0, 10.0, 1.5

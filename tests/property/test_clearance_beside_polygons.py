@@ -129,13 +129,13 @@ def check_bound(table: WaterwayTable, pose: Pose, outline: np.ndarray, least: np
 
 
 @given(table=tables(), pose=poses, outline=st.sampled_from(sorted(OUTLINES)))
-@settings(max_examples=draws(100))
+@settings(max_examples=draws(50))
 def test_the_room_is_how_far_a_hull_can_move_athwart(table: WaterwayTable, pose: Pose, outline: str) -> None:
     check_clearance(table, pose, OUTLINES[outline])
 
 
 @given(table=tables(), pose=poses, outline=st.sampled_from(sorted(OUTLINES)))
-@settings(max_examples=draws(100))
+@settings(max_examples=draws(50))
 def test_the_bound_is_never_late(table: WaterwayTable, pose: Pose, outline: str) -> None:
     check_bound(table, pose, OUTLINES[outline], least_walls(table, OUTLINES[outline]))
 

@@ -82,7 +82,7 @@ def read(path: Path, text: str) -> None:
 
 
 @given(place=st.sampled_from(PLACES), value=ANYTHING)
-@settings(max_examples=draws(150), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=draws(80), suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_any_value_in_any_place_is_read_or_refused(tmp_path: Path, place: tuple, value: Any) -> None:
     read(tmp_path / "canal.geojson", json.dumps(changed(place, value)))
 
@@ -151,7 +151,7 @@ def test_what_is_wrong_is_named_with_its_place(tmp_path: Path, place: tuple, val
 
 
 @given(longitude=st.sampled_from((180.0, -180.0, 179.9999, -179.9995)), latitude=numbers(-88, 88))
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=draws(10), suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_waterway_across_the_antimeridian(tmp_path: Path, longitude: float, latitude: float) -> None:
     """As long and as wide as anywhere else, and written between -180 and 180 degrees."""
     path = tmp_path / "canal.geojson"

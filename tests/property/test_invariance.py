@@ -47,13 +47,13 @@ def reordered(tests: nw.CaptiveTests, order: tuple[int, ...]) -> nw.CaptiveTests
 
 
 @given(order=st.permutations(range(len(SHORT_RUNS))))
-@settings(max_examples=draws(3))
+@settings(max_examples=draws(2))
 def test_order_of_tests(order: list[int]) -> None:
     assert_same(short_fit(), nw.identify(reordered(short_twin(), tuple(order))))
 
 
 @given(rows=BLOCKS)
-@settings(max_examples=draws(3))
+@settings(max_examples=draws(2))
 def test_size_of_blocks(rows: int) -> None:
     whole = short_fit()
     with pytest.MonkeyPatch.context() as patch:
@@ -105,7 +105,7 @@ def in_unit(name: str, of: float) -> tuple[str, nw.Fit]:
 
 
 @given(factor=st.sampled_from([1e-9, 1e-4, 10.0, 1e6]), name=st.sampled_from(["b_v", "b_rr", "c_vdot", "c_rr", "a_uu"]))
-@settings(max_examples=draws(3))
+@settings(max_examples=draws(2))
 def test_unit_of_a_column(factor: float, name: str) -> None:
     """A regressor in another unit gives its coefficient in the inverse unit and changes nothing else."""
     (force, one), (_, other) = in_unit(name, 1.0), in_unit(name, factor)

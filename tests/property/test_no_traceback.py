@@ -12,6 +12,7 @@ import narrows as nw
 from narrows.captive.columns import COLUMNS
 from narrows.model.sections import load_model
 from narrows.readers.cells import parse_header
+from nightly import draws
 from tables import DTC_SHIP, frame_of, short_twin
 
 CELLS = st.one_of(
@@ -45,7 +46,7 @@ def one_line(sentence: str) -> bool:
 
 
 @given(name=st.sampled_from(sorted(COLUMNS)), unit=st.text(SPELLED, max_size=7))
-@settings(max_examples=300)
+@settings(max_examples=draws(100))
 def test_units(name: str, unit: str) -> None:
     column = None
 
@@ -58,7 +59,7 @@ def test_units(name: str, unit: str) -> None:
 
 
 @given(column=st.sampled_from([*sorted(COLUMNS), "test"]), row=st.integers(0, 40), cell=CELLS)
-@settings(max_examples=60)
+@settings(max_examples=draws(20))
 def test_cells(tmp_path_factory: pytest.TempPathFactory, column: str, row: int, cell: object) -> None:
     frame = frame_of(short_twin()).iloc[:60]
     if column not in frame:
@@ -86,7 +87,7 @@ def spoilt(text: str, section: str, key: str, value: object) -> dict:
     key=st.sampled_from(["", "length", "beam", "width", "depth", "density", "x_g", "mass", "A"]),
     value=TOML,
 )
-@settings(max_examples=100)
+@settings(max_examples=draws(50))
 def test_ship_files(tmp_path_factory: pytest.TempPathFactory, section: str, key: str, value: object) -> None:
     check_file(tmp_path_factory, nw.read_ship, spoilt(DTC_SHIP, section, key, value))
 
@@ -96,7 +97,7 @@ def test_ship_files(tmp_path_factory: pytest.TempPathFactory, section: str, key:
     key=st.sampled_from(["", "table", "X", "b_v", "names", "matrix", "speed", "text", "beam"]),
     value=TOML,
 )
-@settings(max_examples=100)
+@settings(max_examples=draws(50))
 def test_model_files(
     dtc: nw.Model, tmp_path_factory: pytest.TempPathFactory, section: str, key: str, value: object
 ) -> None:

@@ -64,7 +64,7 @@ DOORS = {
     "steady course": lambda model: [nw.steady_course(model, u=4.0, y=5.0).notes],
     "C file": lambda model: tuple(passport(model)),
     "closed loop": lambda model: closed_loop(model, regulator(model, 5.0, 4.0)).simulate(1.0).notes,
-    "envelope": lambda model: (*(found := nw.safe_envelope(model, [0.0], [4.0], samples=20)).notes, found.summary()),
+    "envelope": lambda model: (*(found := nw.safe_envelope(model, [0.0], [4.0], samples=4)).notes, found.summary()),
 }  # fmt: skip
 WITH_BOTTOM = ("voyage", "fleet", "envelope")  # Doors that count squat and the bottom
 
@@ -82,7 +82,7 @@ def test_every_door_tells_what_the_file_does_not_give(key: str) -> None:
         told = re.search(UNKNOWN[key], " ".join(notes(unknown)))
         assert told or (key == "canal.depth" and door not in WITH_BOTTOM), door
     if not key.startswith(("verdicts", "covariance", "water", "propeller")):
-        assert not nw.safe_envelope(unknown, [0.0], [4.0], samples=20).safe().any()
+        assert not nw.safe_envelope(unknown, [0.0], [4.0], samples=4).safe().any()
 
 
 def without(*keys: str) -> nw.Model:

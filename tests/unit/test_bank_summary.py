@@ -9,7 +9,9 @@ import pytest
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.identification.bank_summary import missing_runs, preferred_fit, summarise_bank
+from narrows.cli.fits import publish
+from narrows.cli.options import Delivery
+from narrows.identification.bank_summary import BankSummary, missing_runs, preferred_fit, summarise_bank
 from narrows.report.envelope_chart import envelope_chart
 from narrows.report.voyage_figures import map_figure, voyage_figure
 
@@ -26,9 +28,13 @@ def settled() -> nw.Fit:
     return nw.identify(nw.twin(runs=SEPARATING, rate=5.0))
 
 
-def test_first_sentences_of_the_kcs(kcs_fits: dict[int, nw.Fit]) -> None:
-    fit = kcs_fits[100]
-    answer = summarise_bank(fit)
+@pytest.fixture(scope="module")
+def answer(kcs_fits: dict[int, nw.Fit]) -> BankSummary:
+    return summarise_bank(kcs_fits[50])
+
+
+def test_first_sentences_of_the_kcs(answer: BankSummary) -> None:
+    fit = answer.fit
     hull, bank, runs = answer.sentences
     known = sum(fit.verdicts[term.name].status == "identified" for term in fit.terms.terms if not term.from_bank)
     assert hull.startswith(
@@ -63,28 +69,27 @@ def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: n
     assert any("two periods" in ask for ask in missing_runs(one_period))
 
 
-def test_terms_without_a_bank_and_tests_that_are_wrong(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    tests = kcs_tests[20]
+def test_terms_without_a_bank_and_tests_that_are_wrong(short: nw.CaptiveTests) -> None:
+    tests = short
     assert summarise_bank(nw.identify(tests, "paper+open_water")).sentences[1].endswith("have no bank.")
     turned = replace(tests, columns={**tests.columns, "N": -tests.columns["N"]})
     wrong = summarise_bank(nw.identify(turned)).sentences[1]
     assert wrong.startswith("Do not trust the bank's coefficients: N of the other sign")
 
 
-def test_first_in_terminal_and_json(kcs_fits: dict[int, nw.Fit], cli) -> None:
+def test_first_in_terminal_and_json(answer: BankSummary, cli, capsys: pytest.CaptureFixture[str]) -> None:
+    publish({"": answer.fit}, "", Delivery())  # What the command does with its fit
+    out = capsys.readouterr().out
+    assert " ".join(out.split()).partition("h/T = 1.50 ")[2].startswith(answer.sentences[0])
     table, ship = measured_files("kcs")
-    words = ("identify", table, "--ship", ship, "--condition", "C0101A03")
-    code, out, _ = cli(*words)
-    told = summarise_bank(kcs_fits[20])
+    code, out, _ = cli("identify", table, "--ship", ship, "--condition", "C0101A02", "--json")
     assert code == 0
-    assert " ".join(out.split()).partition("h/T = 1.20 ")[2].startswith(told.sentences[0])
-    code, out, _ = cli(*words, "--json")
-    assert json.loads(out)["answer"] == told.to_dict() | {"preferred_terms": "crossflow"}
+    assert json.loads(out)["answer"] == answer.to_dict() | {"preferred_terms": "crossflow"}
 
 
 @pytest.fixture(scope="module")
 def model(kcs_fits: dict[int, nw.Fit]) -> nw.Model:
-    return kcs_fits[100].model
+    return kcs_fits[50].model
 
 
 def test_verdicts_travel_in_the_model_file(model: nw.Model, tmp_path: Path) -> None:
@@ -119,7 +124,7 @@ def test_simulate_and_map_repeat_it(model: nw.Model) -> None:
 
 def test_scaling_keeps_the_verdicts_and_the_envelope_repeats_them() -> None:
     tests = nw.read_captive(*measured_files("kcs"), "type in ('PMMY2', 'PMMPSI2') and abs(rud_given_deg) < 31")
-    fit = nw.identify(tests.by_condition()["C0101A01"], "speed+helm")
+    fit = nw.identify(tests.by_condition()["C0101A02"], "speed+helm")
     full = nw.scale_model(fit.model, 230.0, width=300.0, depth=16.2)
     assert full.model.trust_note.startswith("The tests do not determine the bank force")
     assert full.notes[0] == full.model.trust_note

@@ -115,7 +115,9 @@ REFUSED = {
     "no time": lambda: consistency(steered(), ALL, duration=-1.0),
     "a helm that is none": lambda: consistency(steered(), ALL, controller=3.0),
     "a place in the bank": lambda: consistency(steered(), ALL, 3.4),
-    "all aground": lambda: consistency(steered(), ALL, 0.4, 1.0, twins=2, controller=nw.ConstantRudder(0.4)),
+    "all aground": lambda: consistency(
+        steered(), ALL, 0.4, 1.0, twins=2, duration=20.0, controller=nw.ConstantRudder(0.4)
+    ),
     "no sensors": lambda: consistency(steered(), [], 0.4, 1.0),
 }
 

@@ -97,7 +97,7 @@ def test_dialects(case: str, ship_file: Path, tmp_path: Path) -> None:
     "case", ["semicolon, decimal comma", "comments", "UTF-16", "lines above", "carriage returns alone"]
 )
 def test_dialects_on_the_stream(case: str, ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", 20)
+    monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", 100)
     path = put(tmp_path, DIALECTS[case])
     streamed, whole = nw.stream_captive(path, ship_file), nw.read_captive(path, ship_file)
     assert streamed.names == whole.names

@@ -18,7 +18,7 @@ from narrows.model.tables import table_named
 from narrows.safety.envelope import share_interval
 from narrows.safety.headline import crossing, largest_block, runs
 from narrows.safety.pilots import trials
-from narrows.safety.request import Disturbance, keel_at
+from narrows.safety.request import Disturbance, default_speeds, keel_at
 from narrows.simulation.ship import SimulatedShip
 from pictures import assert_readable
 
@@ -232,7 +232,7 @@ class TestTrials:
 
 @pytest.fixture(scope="module")
 def found(doubtful: nw.Model) -> nw.SafeEnvelope:
-    return nw.safe_envelope(doubtful, np.linspace(-98, 98, 15), np.array([3.0, 5.0, 7.0, 12.0]), samples=60)
+    return nw.safe_envelope(doubtful, np.linspace(-98, 98, 15), np.array([3.0, 5.0, 7.0, 12.0]), samples=40)
 
 
 class TestEnvelope:
@@ -261,7 +261,7 @@ class TestEnvelope:
         """NumPy on the steady courses of the same samples; those without one are beyond hard over."""
         heave = keel_at(doubtful, np.array([5.0])).midship[0]
         for y in (28.0, 84.0):
-            rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, samples=60)["rudder"].to_numpy()
+            rudder = nw.steady_course(doubtful, y=y, u=5.0, heave=heave, samples=40)["rudder"].to_numpy()
             beyond = np.sign(np.nanmedian(rudder)) * np.inf
             signed, own = np.where(np.isnan(rudder), beyond, rudder), found.data.sel(y=y, u=5.0)
             assert float(own["rudder_low"]) == np.quantile(signed, 0.05, method="lower")
@@ -335,7 +335,7 @@ class TestEnvelope:
 
 @pytest.fixture(scope="module")
 def asked(tested: nw.Model) -> nw.SafeEnvelope:
-    return nw.safe_envelope(tested, samples=100)
+    return nw.safe_envelope(tested, u=default_speeds(tested, 4), samples=100)
 
 
 class TestTruth:
@@ -369,12 +369,14 @@ class TestTruth:
     def test_seeds_agree(self, tested: nw.Model, asked: nw.SafeEnvelope) -> None:
         """Where 200 draws gave +-22 m by one seed and +-29 m by another."""
         offsets = asked.data["y"].to_numpy()
-        found = (nw.safe_envelope(tested, offsets[offsets >= 0.0], [3.0], seed=seed) for seed in (0, 7))
+        found = (
+            nw.safe_envelope(tested, offsets[(offsets > 44.0) & (offsets < 85.0)], [3.0], seed=seed) for seed in (0, 7)
+        )
         far, also = (_edge(one, 3.0) for one in found)
         assert far == pytest.approx(also, abs=float(asked.data["y"].diff("y").max()))
 
     def test_what_the_number_of_cases_leaves_uncertain_is_said(self, doubtful: nw.Model) -> None:
-        offsets, speeds = np.linspace(55.0, 75.0, 11), np.array([4.0])
+        offsets, speeds = np.linspace(55.0, 75.0, 6), np.array([4.0])
         doubtful = replace(doubtful, covariance=4 * doubtful.covariance)
         few = nw.safe_envelope(doubtful, offsets, speeds, samples=50)
         assert "With 50 cases this is uncertain everywhere; more samples (--samples, " in few.summary()

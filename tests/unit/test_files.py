@@ -36,7 +36,7 @@ def voyage() -> nw.Voyage:
 
 @cache
 def plan() -> nw.Plan:
-    return nw.plan_tests(DTC.configuration, 2)
+    return nw.plan_tests(DTC.configuration, 2, tank=nw.Tank(speeds=[0.9]))
 
 
 @cache

@@ -49,7 +49,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
     words = ("--sensors", "basin", "--unchecked", "-o", model, "--report", page)
     code, out, err = cli("learn", folder / "few.toml", folder / "zigzags.csv", *words)
     assert code == 0, err
-    assert out.startswith("Learned from 2 records, 10 min: learned: ")
+    assert out.startswith("Learned from 2 records, 6.64 min: learned: ")
     assert f"wrote {model}" in out
     learned = nw.load_model(model)
     assert abs(learned["N_v"] / kvlcc2()["N_v"] - 1) < 0.06

@@ -25,7 +25,7 @@ class Stream:
         for number in range(COUNT):
             record = manoeuvred(number % 2, 0.35 * (-1) ** number)
             told = {name: nw.Signal(own.t.copy(), own.values.copy()) for name, own in record.signals.items()}
-            made = nw.ShipRecord(f"{number}", told).between(0.0, 200.0)
+            made = nw.ShipRecord(f"{number}", told).between(0.0, 100.0)
             self.alive.add(made)
             self.most = max(self.most, len(self.alive))
             yield made

@@ -75,8 +75,11 @@ def test_mapped_tables_stream_and_give_the_same_fit(files: tuple[Path, Path], sh
     assert "columns by columns.toml" in streamed.notes
 
 
-def test_on_the_command_line_and_in_the_report(files: tuple[Path, Path], ship_file: Path, tmp_path: Path, cli) -> None:
-    report = tmp_path / "r.html"
+@pytest.mark.parametrize("report", [False, True], ids=["printed", "and reported"])
+def test_on_the_command_line_and_in_the_report(
+    report: bool, files: tuple[Path, Path], ship_file: Path, tmp_path: Path, cli
+) -> None:
+    words = ("--report", tmp_path / "r.html") if report else ()
     where = "abs(psi_deg) < 60 and rudder_deg > 1"
     code, out, err = cli(
         "identify",
@@ -87,15 +90,14 @@ def test_on_the_command_line_and_in_the_report(files: tuple[Path, Path], ship_fi
         files[1],
         "--where",
         where,
-        "--report",
-        report,
         "--pass-over",
         "rudder",
+        *words,
     )
     assert (code, err) == (0, "")
     assert "its sign turned" in " ".join(out.split())
     assert "[/" not in out
-    assert "its sign turned" in report.read_text()
+    assert not report or "its sign turned" in (tmp_path / "r.html").read_text()
 
 
 WRONG = {

@@ -293,7 +293,8 @@ def test_a_confirmed_draft_is_used_without_being_named(tmp_path: Path, ship_file
     model = tmp_path / "m.toml"
     assert cli("identify", table, "--ship", ship_file, "-o", model)[0] == 0
     assert cli("explain", model, table, "--compare", "paper")[0] == 0
-    assert cli("plan", ship_file, "--runs", 2, "--speed", "0.6", "--after", table)[0] in (0, 1)  # 1: not determined
+    small = ("--runs", 2, "--speed", "0.6", "--run-length", 20)
+    assert cli("plan", ship_file, *small, "--after", table)[0] in (0, 1)  # 1: not determined
 
 
 def test_a_column_that_may_be_a_quantity_is_told() -> None:
@@ -325,9 +326,9 @@ def test_an_absent_ship_file_is_described_so_that_it_can_be_written(tmp_path: Pa
     assert (found.ship.block_coefficient, found.canal.depth) == (0.65, 0.4)
 
 
-def test_a_propeller_that_the_table_names_explains_a_small_resistance() -> None:
+def test_a_propeller_that_the_table_names_explains_a_small_resistance(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
     """Self-propelled tests of a laboratory: no question whether a propeller pushes."""
-    measured = nw.measured_tests("kcs").by_condition()["C0101A02"]
+    measured = kcs_tests[20]
     frame = measured.to_dataframe().assign(X=lambda rows: 0.1 * rows["X"])
     bare = frame.drop(columns="revolutions")
     for table, asked in ((bare, True), (bare.assign(**{"Propeller rate [1/s]": frame["revolutions"]}), False)):
@@ -356,10 +357,10 @@ def test_a_table_of_few_or_no_numbers_is_drafted_without_a_fault(rows: int, valu
     assert read["columns"]["psi"] == "Heading"
 
 
-def test_a_surge_force_counted_astern_is_told() -> None:
+def test_a_surge_force_counted_astern_is_told(kcs_fits: dict[int, nw.Fit]) -> None:
     """On measured tests, where noise hides which sign fits better."""
-    measured = nw.measured_tests("kcs").by_condition()["C0101A02"]
+    measured = kcs_fits[20].tests
     frame = measured.to_dataframe()
-    assert not any("counted astern" in sentence for sentence in nw.identify(measured).implausible)
+    assert not any("counted astern" in sentence for sentence in kcs_fits[20].implausible)
     turned = nw.read_captive(frame.assign(X=-frame["X"]), measured.configuration)
     assert any("X" in sentence and "counted astern" in sentence for sentence in nw.identify(turned).implausible)

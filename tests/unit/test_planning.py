@@ -11,7 +11,7 @@ import narrows as nw
 from narrows.captive.synthetic import candidates
 from narrows.identification.motions import distinct_motions
 from narrows.identification.normal_equations import accumulate
-from narrows.identification.plan import RATE, ExpectedErrors, choose, expected_model
+from narrows.identification.plan import RATE, ExpectedErrors, choose, expected_model, within_tested
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))
@@ -131,7 +131,7 @@ def test_a_twin_of_the_plan_has_the_errors_that_were_promised(plan: nw.Plan) -> 
 
 
 def test_a_twin_of_the_plan_has_the_interval_that_was_promised(plan: nw.Plan) -> None:
-    _, widths = twins(plan, 3)  # Widths of twins differ little
+    _, widths = twins(plan, 2)  # Widths of twins differ little
     for name in plan.targets:
         assert np.median(widths[name]) == pytest.approx(plan.reach[name], rel=0.5)
 
@@ -143,10 +143,17 @@ def test_a_plan_goes_to_both_sides(plan: nw.Plan) -> None:
 
 def test_a_plan_stays_within_what_was_tested() -> None:
     made = nw.twin(runs=[nw.HarmonicRun("a", "yaw", 0.9, 25.0), nw.HarmonicRun("b", "sway", 0.7, 15.0, 0.8)], rate=5.0)
-    for run in nw.plan_tests(SETTING, 2, after=made).runs:
+    for run in nw.plan_tests(SETTING, 2, tank=nw.Tank(run_length=20.0, heading=10.0), after=made).runs:
         assert np.abs(run.columns(5.0)["y"]).max() <= 0.9 + 1e-3
         assert 0.8 <= run.speed <= 1.0
-    asked = nw.plan_tests(SETTING, 2, tank=nw.Tank(speeds=(0.6,), reach=1.8), after=made).runs
+    asked = nw.Tank(speeds=(0.6,), reach=1.8)
+    assert within_tested(asked, nw.DataRange(speed=(0.8, 1.0), abs_y=(0.0, 0.9)))[0] == asked
+
+
+def test_a_plan_goes_where_it_is_asked_to() -> None:
+    made = nw.twin(runs=[nw.HarmonicRun("a", "yaw", 0.9, 25.0), nw.HarmonicRun("b", "sway", 0.7, 15.0, 0.8)], rate=5.0)
+    slow = nw.Tank(run_length=20.0, heading=10.0, speeds=(0.6,), reach=1.8)
+    asked = nw.plan_tests(SETTING, 2, tank=slow, after=made).runs
     assert {run.speed for run in asked} == {0.6}
     assert max(np.abs(run.columns(5.0)["y"]).max() for run in asked) > 1.0
 
@@ -160,8 +167,8 @@ def test_a_plan_beats_harmonic_runs_about_the_centreline(plan: nw.Plan) -> None:
 
 
 def test_what_was_made_already_counts(plan: nw.Plan) -> None:
-    tank = nw.Tank(speeds=(0.7,))
-    after = nw.plan_tests(SETTING, 2, tank=tank, after=nw.twin(runs=plan.runs, rate=5.0))
+    tank = nw.Tank(run_length=20.0, heading=10.0, speeds=(0.7,))
+    after = nw.plan_tests(SETTING, 2, tank=tank, after=nw.twin(runs=plan.runs[:3], rate=5.0))
     assert after.std["b_bank"][-1] < nw.plan_tests(SETTING, 2, tank=tank).std["b_bank"][-1]
 
 
@@ -234,7 +241,7 @@ def test_what_was_made_does_not_count_by_its_sampling() -> None:
 
 
 def test_tied_targets_are_one() -> None:
-    tank = nw.Tank(speeds=(0.7,))
+    tank = nw.Tank(run_length=20.0, heading=10.0, speeds=(0.7,))
     one, both = (nw.plan_tests(SETTING, 3, tank=tank, targets=own) for own in (("b_rdot",), ("b_rdot", "c_vdot")))
     assert both.std["b_rdot"][-1] == both.std["c_vdot"][-1] == pytest.approx(one.std["b_rdot"][-1])
 

@@ -2,6 +2,7 @@
 
 import json
 from functools import cache, partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,12 +114,21 @@ def test_whether_the_bank_changes_with_depth_is_tested() -> None:
     assert low < 1.5 < high  # the value at the middle of the depths
 
 
-def test_pooling_on_the_command_line(cli, ship_file, tmp_path) -> None:
-    table, ship = written(frame_of(made((1.0, 1.0))), tmp_path / "twins.csv"), ship_file
-    code, out, err = cli("identify", table, "--ship", ship, "--pool", "depth", "--json")
+@pytest.fixture
+def twins(tmp_path) -> Path:
+    tests = made((1.0, 1.0))
+    some = tests.where([name.startswith(("yaw 0.9", "sway 0.6", "y 0.9", "y -1.4")) for name in tests.names])
+    return written(frame_of(some), tmp_path / "twins.csv")
+
+
+def test_pooling_on_the_command_line(cli, ship_file, twins: Path) -> None:
+    code, out, err = cli("identify", twins, "--ship", ship_file, "--pool", "depth", "--json")
     assert code in (0, 1), err
     assert "b_v@0.25" in json.loads(out)["coefficients"]
-    code, _, err = cli("identify", table, "--ship", ship, "--pool", "speed")
+
+
+def test_pooling_by_anything_else_is_refused_on_the_command_line(cli, ship_file, twins: Path) -> None:
+    code, _, err = cli("identify", twins, "--ship", ship_file, "--pool", "speed")
     assert code == 2
     assert "depth" in err
 

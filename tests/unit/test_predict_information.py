@@ -35,7 +35,8 @@ AT_SEA = nw.SensorGrade("at sea", "", {**GRADES["vdr"].signals, "y": nw.SignalGr
 def ship() -> nw.Model:
     model = steered().with_coefficients(b_bank=0.3, c_bank=0.04)
     values = np.array([model.coefficients[name] for name in model.terms.names])
-    shares = np.array([1.0 if term.from_bank else 0.05 for term in model.terms.terms])
+    doubted = {"b_uv", "b_ur", "c_uv", "c_ur", "b_helm", "c_helm"}  # A fit takes a slope by each one that has a spread
+    shares = np.array([1.0 if term.from_bank else 0.05 * (term.name in doubted) for term in model.terms.terms])
     known = replace(model, covariance=np.diag((shares * values) ** 2), data_range=nw.DataRange(speed=(0.5, 1.0)))
     return replace(known, configuration=replace(known.configuration, canal=nw.Canal(7.0, 0.4)))
 

@@ -19,21 +19,25 @@ from narrows.report.fit_figures import (
 )
 from narrows.report.fit_page import write_report
 from narrows.report.printed_tables import print_fit
+from tables import DTC_SHIP, frame_of, written
 
 pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
 def page(kcs_fits: dict[int, nw.Fit], short: nw.CaptiveTests, tmp_path_factory: pytest.TempPathFactory) -> str:
-    path = tmp_path_factory.mktemp("report") / "report.html"
-    write_report({"50": kcs_fits[50], "twin": nw.identify(short)}, path, "KCS")
-    return path.read_text()
+    """Of a fit with rows, and of one that was streamed."""
+    folder = tmp_path_factory.mktemp("report")
+    (folder / "ship.toml").write_text(DTC_SHIP)
+    streamed = nw.identify(nw.stream_captive(written(frame_of(short), folder / "t.csv"), folder / "ship.toml"))
+    write_report({"50": kcs_fits[50], "twin": streamed}, folder / "report.html", "KCS")
+    return (folder / "report.html").read_text()
 
 
 def test_page_needs_nothing_else(page: str) -> None:
     assert not re.findall(r"(?:src|href)=\"(?!#)", page.replace("xlink:href", "").replace('href="#', ""))
     assert "<script" not in page
-    assert page.count("<figure") == 10
+    assert page.count("<figure") == 5 + 2
     assert len(page) < 4_000_000
 
 
@@ -80,8 +84,6 @@ def test_terminal_fits_eighty_columns(kcs_fits: dict[int, nw.Fit]) -> None:
 
 
 def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_file: Path, tmp_path: Path) -> None:
-    from tables import frame_of, written
-
     fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
     write_report({"": fit}, tmp_path / "r.html")
     assert (tmp_path / "r.html").read_text().count("<figure") == 2

@@ -39,7 +39,7 @@ def result(kind: str) -> BaseResult:
     if kind == "Explanation":
         return nw.explain(DTC, short_twin(), ("speed",))
     if kind == "Plan":
-        return plan_tests(DTC.configuration, 2)
+        return plan_tests(DTC.configuration, 2, tank=nw.Tank(run_length=20.0, speeds=(0.7,)))
     if kind == "Scaled":
         return nw.scale_model(DTC, 355.0)
     if kind == "DepthCorrected":

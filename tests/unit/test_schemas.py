@@ -73,9 +73,9 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 HELD = "y,u [kn],rudder [deg],drift [deg]\n40,8,4.0,0.9\n-40,8,-3.0,-0.9\n"
 WORDS = {
     "demo": "--out {out}",
-    "identify": "{table} --ship {ship} --condition C0101A02",
+    "identify": "{twin} --ship {dtc}",
     "explain": "mikkelsen2025_dtc {twin} --ship {dtc} --compare speed,paper+distance_depth",
-    "plan": "{ship} --runs 2 --targets b_bank,a_udot",
+    "plan": "{dtc} --runs 2 --targets b_bank,a_udot --speed 0.7",
     "export": "c mikkelsen2025_dtc -o {out}.h",
     "scale": "mikkelsen2025_dtc --length 355",
     "estimate": "--length 230 --type container --width 250",

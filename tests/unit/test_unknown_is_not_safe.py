@@ -25,7 +25,7 @@ def without_bank() -> nw.Model:
 
 @pytest.fixture(scope="module")
 def found(without_bank: nw.Model) -> nw.SafeEnvelope:
-    return nw.safe_envelope(without_bank, OFFSETS, SPEEDS, samples=40)
+    return nw.safe_envelope(without_bank, OFFSETS, SPEEDS, samples=10)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ class TestWaterwayWithoutDepth:
         assert not any("depth" in note for note in told)
 
     def test_an_envelope_at_a_place_and_along(self, tmp_path: Path) -> None:
-        found = nw.envelope_along(self.model, self.waterway, [500.0, 900.0], y=[0.0, 5.0], u=[4.0], samples=20)
+        found = nw.envelope_along(self.model, self.waterway, [500.0, 900.0], y=[0.0, 5.0], u=[4.0], samples=5)
         assert found.notes.count(self.NOTE) == 1
         nw.write_waterway(replace(self.waterway, origin=(8.0, 54.0)), tmp_path / "canal.geojson")
         place = SectionOptions(waterway=tmp_path / "canal.geojson", at=500.0).placed(self.model)

@@ -335,10 +335,11 @@ with AlertLog(Path(sys.argv[1]), deadline=30.0) as log:
 """
 
 
-def test_kill_9_loses_no_published_alert(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kills", [(20,), (4, 20)], ids=["one", "two"])
+def test_kill_9_loses_no_published_alert(kills: tuple[int, ...], tmp_path: Path) -> None:
     """A writer that publishes what is on disk, killed while it writes: all that it published is in a whole log."""
     path, published = tmp_path / "log.db", 0
-    for rows in (4, 20):  # By rows, not by time: a disk or a machine under load may write one in a second.
+    for rows in kills:  # By rows, not by time: a disk or a machine under load may write one in a second.
         writer = subprocess.Popen(
             [sys.executable, "-c", WRITER, path], stdout=subprocess.PIPE, text=True, env=os.environ
         )
@@ -350,7 +351,7 @@ def test_kill_9_loses_no_published_alert(tmp_path: Path) -> None:
         writer.wait()
         published = max(int(line) for line in told if line.strip())
         assert len(logged(path)) >= published
-    assert published >= 24
+    assert published >= sum(kills)
 
 
 def test_times_that_a_navigator_sees() -> None:

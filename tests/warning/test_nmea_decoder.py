@@ -195,14 +195,17 @@ def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew(quick_tick
                 assert sum(counts.values()) < 100
 
 
-def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
-    """20 000 reports of others and a second of the ship's own, all at once: the own are all in the first two ticks.
+@pytest.mark.parametrize("room", [2000, MOST_LINES])
+def test_a_burst_of_other_ships_does_not_delay_the_own(room: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many reports of others as there is room for and a second of the own, at once: they are in the first two ticks.
 
     Of more own sentences than there is room for, the oldest are left out, and counted.
     """
+    assert numbers.MOST_LINES == MOST_LINES
+    monkeypatch.setattr(numbers, "MOST_LINES", room)
     others = "\r\n".join(ais("VDM", 244000000 + k)[0] for k in range(200)) + "\r\n"
     own = "\r\n".join(told_at(30.0)) + "\r\n"
-    pieces = [(100 * others + own).encode(), 4000 * own.encode()]
+    pieces = [(room // 200 * others + own).encode(), room // 5 * own.encode()]
 
     def opened() -> Iterator[Piece]:
         yield Piece(pieces[0])
@@ -218,13 +221,13 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
         first = [next(told), next(told)]
         assert time.monotonic() - start < 4.0
         flood.set()
-        while len(listening._lines) < MOST_LINES or not listening._lost:
+        while len(listening._lines) < room or not listening._lost:
             time.sleep(0.01)
         last = next(told)
     heard = Counter(entry.message.source for tick in first for entry in tick.entries)
     assert heard == dict.fromkeys(("GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"), 1)
     assert NO_TIME not in first[1].faults
-    assert last.faults[NO_TIME] + len(last.entries) == 24_000
+    assert last.faults[NO_TIME] + len(last.entries) == room // 5 * 6
 
 
 def test_commands_are_taken_from_those_alone_who_may_give_them(quick_ticks: None) -> None:

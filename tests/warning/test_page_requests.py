@@ -50,7 +50,7 @@ def test_what_is_no_request_is_none(wrong: dict[str, Any]) -> None:
 VALUES = st.none() | st.booleans() | st.floats() | st.text(max_size=8) | st.lists(st.integers(), max_size=3)
 
 
-@settings(max_examples=draws(25))
+@settings(max_examples=draws(10))
 @given(st.text() | VALUES.map(json.dumps) | st.dictionaries(st.sampled_from([*GOOD]), VALUES).map(json.dumps))
 def test_noise_is_no_request_and_never_raises(noise: str) -> None:
     assert request_of(noise) is None
@@ -110,7 +110,7 @@ class PageBridge(RuleBasedStateMachine):
         assert self.desk[BANK].state in AlertState
 
 
-PageBridge.TestCase.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+PageBridge.TestCase.settings = settings(max_examples=draws(20), stateful_step_count=20, deadline=None)
 TestPageBridge = PageBridge.TestCase
 
 

@@ -32,7 +32,7 @@ NEEDED_TIME = 10.0  # [s] to act
 
 def test_recorded_transits_are_scored() -> None:
     """Two short twins: one that stays in the middle, and one that is steered into the bank."""
-    told = {"calm": ticks(30), "aground": ticks(34, y=75.0, psi=0.25, rudder=0.5), "mute": ticks(12, without("HEHDT"))}
+    told = {"calm": ticks(14), "aground": ticks(34, y=75.0, psi=0.25, rudder=0.5), "mute": ticks(12, without("HEHDT"))}
     transits = {name: transit_of(monitored(heard)) for name, heard in told.items()}
     scores = score_transits(transits)
     assert (scores.contacts, scores.clear, scores.unknown) == (1, 1, ("mute",))

@@ -256,12 +256,13 @@ class ShipFilter:
         if RUDDER in self.faults ^ other.faults:
             known.pop("rudder_bias", None)
         names = self.states.names
-        rows = [known.get(name, -1) for name in names] + [len(other.states) + k for k in range(more)]
-        fresh = np.array([row < 0 for row in rows])
-        mean = np.where(fresh, np.append(self.states.vector({}), np.zeros(more)), now.mean[rows])
-        root = np.where(fresh[:, None], 0.0, now.root[rows])
+        places = [known.get(name, -1) for name in names] + [len(other.states) + k for k in range(more)]
+        fresh = np.array([place < 0 for place in places])
+        mean = np.where(fresh, np.append(self.states.vector({}), np.zeros(more)), now.mean[places])
+        root = np.where(fresh[:, None], 0.0, now.root[places])
         prior = np.diag([size * self.spreads.get(name, 0.0) for name in names] + [0.0] * more)[fresh]
-        return Gaussian(mean, compiled_loops(square_roots).triangular_root(np.concatenate([root.T, prior])))
+        rows = np.concatenate([root.T, prior]).copy()  # By rows like all others: each layout is compiled anew
+        return Gaussian(mean, compiled_loops(square_roots).triangular_root(rows))
 
     def advance(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""

@@ -133,10 +133,10 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
     tightest = _tightest(model.configuration.ship, waterway, along)
     reaches = [reach_at(model, waterway, place) for place in tightest.tolist()]
     water, known, found = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope](), []
-    for there, _, asked in reaches:  # A canal of one section, bend and current (to nine digits) has one envelope.
+    for there, _, asked in reaches:  # A canal of one section, bend and current (to six digits) has one envelope.
         canal, options = there.configuration.canal, {**asked, **envelope}
         numbers = canal.width, canal.depth or math.nan, *asked["walls"], asked["curvature"], asked["current"]
-        if (key := tuple(f"{number:.9g}" for number in numbers)) not in known:
+        if (key := tuple(f"{number + 0.0:.6g}" for number in numbers)) not in known:
             if options.get("y") is None:
                 options["y"] = default_offsets(there, options["walls"], settings.ALONG_OFFSETS)
             if options.get("u") is None:
