@@ -56,13 +56,22 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
     return run
 
 
-class ForceColumns(NamedTuple):
-    """Columns that the blocks of one force need: a product of half of all columns takes a quarter of the time."""
+class Batch(NamedTuple):
+    """Blocks of one force, either of one row or of more: short ones are filled up with zeros."""
 
-    blocks: slice
-    columns: np.ndarray  # (k,) Columns that are not zero in all of them
+    columns: np.ndarray  # (k,) Columns that are not zero in all of them: half of all take a quarter of the time
     places: np.ndarray  # (k, k) Places of their products in the flat matrix of all: faster than two indices
     data: np.ndarray  # (blocks, size, k + 1) These columns, then measured values
+    own: np.ndarray  # (rows,) Which of their rows, one after the other, are not filled in
+    shared: np.ndarray  # (blocks, size, errors)
+    independent: np.ndarray  # (blocks, size, errors)
+    noise: np.ndarray  # (blocks, size) 1 in what is filled in
+
+    def whitening(self, variances: np.ndarray) -> np.ndarray:
+        """Return the inverse Cholesky factors of the covariances of blocks, (blocks, size, size)."""
+        v = (self.shared * variances) @ self.shared.swapaxes(1, 2)
+        np.einsum("bii->bi", v)[...] += self.noise + self.independent @ variances
+        return np.linalg.inv(np.linalg.cholesky(v)) if v.shape[1] > 1 else 1 / np.sqrt(v)
 
 
 class Conditional(NamedTuple):
@@ -96,50 +105,34 @@ class MixedModel:
         return int(self.absorbed.shape[0])
 
     @cached_property
-    def _rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of each block, and which are its own: short ones are filled up, (blocks, size)."""
-        sizes = np.diff(self.starts, append=len(self.y))
+    def _batches(self) -> list[Batch]:
+        sizes, forces = np.diff(self.starts, append=len(self.y)), np.split(np.arange(len(self.starts)), self.forces)
+        kinds = [blocks[kind] for blocks in forces for kind in (sizes[blocks] == 1, sizes[blocks] > 1)]
+        return [self._batch(blocks, sizes[blocks]) for blocks in kinds if blocks.size]
+
+    def _batch(self, blocks: np.ndarray, sizes: np.ndarray) -> Batch:
         within = np.arange(sizes.max()) < sizes[:, None]
-        return np.where(within, self.starts[:, None] + np.arange(sizes.max()), 0), within
+        rows = np.where(within, self.starts[blocks][:, None] + np.arange(sizes.max()), 0)
 
-    def _filled(self, part: np.ndarray) -> np.ndarray:
-        rows, within = self._rows
-        return np.where(within[..., None], part[rows], 0.0)
+        def filled(part: np.ndarray) -> np.ndarray:
+            return np.where(within[..., None], part[rows], 0.0)
 
-    @cached_property
-    def _errors(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """``shared`` and ``independent``, (blocks, size, errors), and ``noise`` of each row, 1 where there is none."""
-        rows, within = self._rows
-        return self._filled(self.shared), self._filled(self.independent), np.where(within, self.noise[rows], 1.0)
-
-    @cached_property
-    def _columns(self) -> list[ForceColumns]:
-        each, found, x, y = len(self.starts) // self.forces, [], self._filled(self.x), self._filled(self.y[:, None])
-        for first in range(0, len(self.starts), each):
-            blocks = slice(first, first + each)
-            used = np.flatnonzero(x[blocks].any(axis=(0, 1)))
-            data = np.concatenate([x[blocks][..., used], y[blocks]], axis=2)
-            found.append(ForceColumns(blocks, used, used[:, None] * x.shape[2] + used, data))
-        return found
-
-    def _whitening(self, variances: np.ndarray) -> np.ndarray:
-        """Return the inverse Cholesky factors of the covariances of blocks, (blocks, size, size)."""
-        shared, independent, noise = self._errors
-        v = (shared * variances) @ shared.swapaxes(1, 2)
-        np.einsum("bii->bi", v)[...] += noise + independent @ variances
-        return np.linalg.inv(np.linalg.cholesky(v))
+        x = filled(self.x)
+        used = np.flatnonzero(x.any(axis=(0, 1)))
+        data = np.concatenate([x[..., used], filled(self.y[:, None])], axis=2)
+        errors = filled(self.shared), filled(self.independent), np.where(within, self.noise[rows], 1.0)
+        return Batch(used, used[:, None] * x.shape[2] + used, data, np.flatnonzero(within), *errors)
 
     def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         """Solve for coefficients and effects at given scales: generalised least squares."""
         p, count, scale = self.fixed, self.x.shape[1], self.scales(z)
-        root = self._whitening(scale[: self.shared.shape[1]] ** 2)
-        h, right, white = np.zeros(count**2), np.zeros(count), []
-        for force in self._columns:
-            white.append(root[force.blocks] @ force.data)
-            flat = white[-1].reshape(-1, white[-1].shape[2])
-            products = flat.T @ flat
-            h[force.places] += products[:-1, :-1]
-            right[force.columns] += products[:-1, -1]
+        h, right, roots, white = np.zeros(count**2), np.zeros(count), [], []
+        for batch in self._batches:
+            roots.append(batch.whitening(scale[: self.shared.shape[1]] ** 2))
+            white.append((roots[-1] @ batch.data).reshape(-1, batch.data.shape[2])[batch.own])
+            products = white[-1].T @ white[-1]
+            h[batch.places] += products[:-1, :-1]
+            right[batch.columns] += products[:-1, -1]
         # In units of their standard deviations, so that the matrix stays well conditioned.
         unit = np.concatenate([1 / np.sqrt(h[:: count + 1][:p] + RIDGE), scale[self.group]])
         precision, units = np.concatenate([RIDGE * unit[:p] ** 2, np.ones(len(self.group))]), np.outer(unit, unit)
@@ -150,30 +143,33 @@ class MixedModel:
         beta = inverse @ right
         # By residuals and effects: a difference of large sums would be mostly rounding for nearly collinear columns.
         quadratic = (precision * (beta / unit) ** 2).sum() + z @ z
-        for force, part in zip(self._columns, white, strict=True):
-            part[..., -1] -= part[..., :-1] @ beta[force.columns]
-            quadratic += (part[..., -1] ** 2).sum()
-        logs += np.log(unit[:p]).sum() + np.log(np.einsum("bii->bi", root)).sum()
-        slope = self._gradient(z, scale, beta, inverse, root, white) if gradient else np.zeros(0)
+        for batch, root, part in zip(self._batches, roots, white, strict=True):
+            part[:, -1] -= part[:, :-1] @ beta[batch.columns]
+            quadratic += (part[:, -1] ** 2).sum()
+            logs += np.log(np.einsum("bii->bi", root)).sum()
+        logs += np.log(unit[:p]).sum()
+        slope = self._gradient(z, scale, beta, inverse, roots, white) if gradient else np.zeros(0)
         return Conditional(float(logs - 0.5 * quadratic), beta, inverse, slope)
 
     def _gradient(
-        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, root: np.ndarray,
+        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, roots: list[np.ndarray],
         white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
         """Return the gradient of the log posterior, by the identities of restricted maximum likelihood."""
-        p, (shared, independent, _) = self.fixed, self._errors
+        p, moved = self.fixed, np.zeros(self.shared.shape[1])
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
-        back = root.swapaxes(1, 2)
-        excess = -back @ root
-        for force, part in zip(self._columns, white, strict=True):
-            solved = back[force.blocks] @ part  # Its last column holds residuals.
+        for batch, root, part in zip(self._batches, roots, white, strict=True):
+            back = root.swapaxes(1, 2)
+            both = np.zeros((2, *batch.data.shape))
             # One product of two large matrices, not one for each block.
-            rows = solved.reshape(-1, part.shape[2])
-            spread = np.column_stack([rows[:, :-1] @ inverse.ravel()[force.places], rows[:, -1]])
-            excess[force.blocks] += spread.reshape(part.shape) @ solved.swapaxes(1, 2)
-        moved = ((excess @ shared) * shared).sum(axis=(0, 1)) + np.einsum("bii,bie->e", excess, independent)
+            both.reshape(2, -1, part.shape[1])[:, batch.own] = (
+                part, np.column_stack([part[:, :-1] @ inverse.ravel()[batch.places], part[:, -1]]),
+            )  # fmt: skip
+            solved, spread = back @ both
+            excess = spread @ solved.swapaxes(1, 2) - back @ root
+            moved += ((excess @ batch.shared) * batch.shared).sum(axis=(0, 1))
+            moved += np.einsum("bii,bie->e", excess, batch.independent)
         slope[: len(moved)] += scale[: len(moved)] ** 2 * moved
         slope[-1:] += slope[list(self.multiples)].sum()
         # Derivative of the logarithm of each scale to its coordinate: normal density over half-t density.
