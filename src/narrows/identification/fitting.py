@@ -177,7 +177,7 @@ def bundled_model(terms: TermTable) -> Model:
 
 
 def bundled_ship(length: float, width: float, depth: float | None = None, terms: TermTable = STEERED) -> Model:
-    """Return the KCS as identified from the bundled tests, with its rudder, at another length [m]."""
+    """Return the KCS as identified from the bundled tests, with its rudder, at another length [m] in sea water."""
     return scale_model(bundled_model(terms), length, 1025.0, width=width, depth=depth).model
 
 

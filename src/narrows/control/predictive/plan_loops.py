@@ -1,4 +1,4 @@
-"""Loops over the intervals of a plan, number by number: Numba compiles arrays in ten times as long."""
+"""Loops over the intervals of a plan, number by number: Numba takes ten times as long to compile arrays."""
 
 import math
 
