@@ -1,6 +1,7 @@
 """What the tests share: a deterministic Hypothesis profile, and fits that are dear enough to make once."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -56,6 +57,17 @@ def ship_file(tmp_path: Path) -> Path:
     path = tmp_path / "ship.toml"
     path.write_text(DTC_SHIP)
     return path
+
+
+@pytest.fixture(scope="module")
+def one_tuning() -> Iterator[None]:
+    """Pilots without the search for their best tuning, which is most of the time of a small envelope."""
+    from narrows.safety.pilots import PILOTS
+
+    with pytest.MonkeyPatch.context() as patch:
+        for name, pilot in list(PILOTS.items()):
+            patch.setitem(PILOTS, name, replace(pilot, tunings=pilot.tunings[:1]))
+        yield
 
 
 @pytest.fixture

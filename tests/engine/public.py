@@ -1,17 +1,12 @@
 """How the tests sail with the package: by its public functions, in the words of the cases."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 import xarray as xr
 from cases import Case
 
 import narrows as nw
-from narrows.safety.pilots import PILOTS
 
 
 def voyage(case: Case, number: int, **changed: Any) -> nw.Voyage:
@@ -31,15 +26,6 @@ def fleet(case: Case, **changed: Any) -> xr.Dataset:
         "waterway": case.waterway, "controller": case.law,
     }  # fmt: skip
     return nw.ensemble(case.model, **{**told, **changed})
-
-
-@contextmanager
-def one_tuning() -> Iterator[None]:
-    """Pilots without the search for their best tuning, which is most of the time of a small envelope."""
-    with pytest.MonkeyPatch.context() as patch:
-        for name, pilot in list(PILOTS.items()):
-            patch.setitem(PILOTS, name, replace(pilot, tunings=pilot.tunings[:1]))
-        yield
 
 
 def kinds(ended: xr.Dataset) -> list[str]:

@@ -1,27 +1,21 @@
 """An envelope in a bend: its rudder is that of the steady turn, its shares those of ships that sail the bend."""
 
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import pytest
-from public import one_tuning
 
 import narrows as nw
 from narrows.safety.pilots import trials
 from narrows.safety.request import Bend
 from narrows.waterway import Bank, Centreline, Waterway
 
+pytestmark = pytest.mark.usefixtures("one_tuning")
+
 RADIUS, SAMPLES, SPEED = 1500.0, 60, 4.0
 OFFSETS = (0.0, 22.5)
 # A bend of three ship lengths; 10 m to starboard no rudder holds the most likely ship.
 TIGHT, MANY, NEAR = 700.0, 400, (-10.0, 0.0)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_pilots() -> Iterator[None]:
-    with one_tuning():
-        yield
 
 
 @cache

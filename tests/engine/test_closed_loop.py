@@ -137,7 +137,7 @@ def test_easy_weights_need_twice_the_rudder_travel_of_true_states_at_most() -> N
     force = [(100.0, gust), (160.0, 0.0), (300.0, -gust), (360.0, 0.0)]
     pushed = {"Y": force, "N": [(t, 20.0 * value) for t, value in force]}
     sensors = [Gnss(1.5, coloured=None), CourseOverGround(), *SENSORS[1:]]
-    voyages = [closed_loop(full_size(), helm, sensors=own).simulate(420.0, 1, **pushed) for own in ((), sensors)]
+    voyages = [closed_loop(full_size(), helm, sensors=own).simulate(600.0, 1, **pushed) for own in ((), sensors)]
     true, seen = (np.abs(np.diff(voyage.rudder)).sum() for voyage in voyages)
     assert true < seen < 2 * true
 

@@ -1,14 +1,12 @@
 """Envelopes along a waterway are those of its places; what was not tested is hatched and counts as not safe."""
 
 import json
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from public import one_tuning
 
 import narrows as nw
 from narrows.empirical.fleet import model_named
@@ -16,6 +14,8 @@ from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import UNTESTED, print_envelope_along
 from narrows.safety.envelope_along import EnvelopeAlong, _tightest, reach_at
 from narrows.waterway import Bank, Centreline, Waterway
+
+pytestmark = pytest.mark.usefixtures("one_tuning")
 
 PLACES, SPEEDS, OFFSETS = [0.0, 400.0, 1500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
 ASKED = {"y": OFFSETS, "u": SPEEDS, "samples": 4}
@@ -46,12 +46,6 @@ def ship() -> nw.Model:
     model = nw.published("estimated_kcs")
     known = replace(model.data_range, abs_y=(0.0, 1e3), depth_to_draft=(1.45, 2.0), width_to_beam=(1.0, 99.0))
     return replace(model, data_range=replace(known, speed=(0.0, 9.0)), covariance=None)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_pilots() -> Iterator[None]:
-    with one_tuning():
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,10 @@ import pandas as pd
 import pytest
 import xarray as xr
 from arguments import Entry, Other, Table
-from public import one_tuning
 
 import narrows as nw
+
+pytestmark = pytest.mark.usefixtures("one_tuning")
 
 
 def functions() -> dict[str, Any]:
@@ -28,12 +29,6 @@ def arguments() -> Iterator[tuple[str, str]]:
         for argument in inspect.signature(function).parameters.values():
             if argument.kind is not argument.VAR_KEYWORD:
                 yield name, argument.name
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_pilots() -> Iterator[None]:
-    with one_tuning():
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -1,23 +1,17 @@
 """A steady wind in envelopes: its course is that of ``steady_course`` under the force, and gusts come on top."""
 
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 import pytest
-from public import one_tuning
 
 import narrows as nw
 from narrows.safety.pilots import trials
 
+pytestmark = pytest.mark.usefixtures("one_tuning")
+
 SPEEDS = np.array([3.0, 5.0])
 FORCE = nw.wind_force(10.0, 4000.0)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def quick_pilots() -> Iterator[None]:
-    with one_tuning():
-        yield
 
 
 @cache

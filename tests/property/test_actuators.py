@@ -15,7 +15,6 @@ import narrows as nw
 from narrows.model.tables import HELM
 from narrows.model.term import ScaleEffect
 from narrows.quantities.names import Dimension, dimension_of
-from narrows.safety.pilots import PILOTS
 from narrows.ship.actuators import PROPELLER, RUDDER, Actuator, Part, number_in
 from tables import DTC_SHIP, frame_of, many_runs
 
@@ -222,10 +221,9 @@ class RunningThruster(BowThruster):
     trial_jet: float = number_in("1/s", TURNS, 0.0)
 
 
-def test_the_envelope_feels_it(tug: nw.Model, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("one_tuning")
+def test_the_envelope_feels_it(tug: nw.Model) -> None:
     """A thruster that turns needs another rudder to hold the course: as much as its force asks for."""
-    pilot = PILOTS["regulator"]
-    monkeypatch.setitem(PILOTS, "regulator", replace(pilot, tunings=pilot.tunings[:1]))  # Its trials are not asked
     hull = replace(tug.configuration.ship, flow_straightening=0.5)
     canal, gear = replace(tug.configuration.canal, depth=0.4), nw.SteeringGear(35.0, 20.0)
     coefficients = {**tug.coefficients, "a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}

@@ -105,7 +105,7 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
 
 
 def test_explain_tells_the_bank_in_json(cli, tmp_path) -> None:
-    table = written(frame_of(short_twin(3, many_runs(8))), tmp_path / "t.csv")
+    table = written(frame_of(short_twin(3, many_runs(12))), tmp_path / "t.csv")
     code, out, _ = cli("explain", "mikkelsen2025_dtc", table, "--compare", "speed", "--json")
     told = json.loads(out)
     assert code == 0

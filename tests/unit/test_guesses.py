@@ -517,7 +517,7 @@ assert fit.cov.loc["b_v", "b_r"] == fit.cov().b_v.b_r and fit.vif() == fit.vif a
 assert pickle.loads(pickle.dumps(fit.corr)).equals(fit.correlation()) and fit.conf_int.equals(fit.conf_int(alpha=0.05))
 K, S, E = nw.lqr(kcs, Q=1, R=1, u=4.0); assert np.array_equal(nw.lqr(kcs, Q=1, R=1, u=4.0).K, K) and K.shape == (2, 4)
 assert nw.cross_validate(tests).rmse["N"] == fit.left_out["N"].rmse == nw.left_out_error(fit)["N"].rmse
-best = nw.compare(tests, ["paper"]).best; assert best.N == best["N"] == best("N")
+best = nw.compare(tests, ["paper", "speed"]).best; assert best.N == best["N"] == best("N")
 draws = fit.sample(n_samples=300, seed=1); assert abs(draws["b_bank"].std() / fit.std["b_bank"] - 1) < 0.2
 assert kcs.with_coefficients(kcs.draws(2).loc[1])["Y_bank"] == kcs.sample(2).Y_bank[1] != kcs["Y_bank"]
 assert (tests.filter(speed=(0.3, 9)).u >= 0.3).all()
