@@ -29,6 +29,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     if "NARROWS_CACHE_DIR" not in os.environ:  # A run without pytest's own cache names the folder
         os.environ["NARROWS_CACHE_DIR"] = str(config.cache.mkdir("narrows"))
+    os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # Its own is too small for the systems of a run
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -1,5 +1,6 @@
 """The cache: made once, by however many processes at once, and mended where it is spoilt."""
 
+import ctypes
 import os
 import pickle
 import random
@@ -13,6 +14,7 @@ import pytest
 
 import narrows as nw
 from narrows.codegen import cache
+from narrows.codegen.compilation import address
 from narrows.codegen.free_motion import Choices
 from narrows.codegen.system import System
 
@@ -158,6 +160,11 @@ def twice(x):
     return 2 * x
 """
 
+SUM = """
+def sum_of(values):
+    return (values[0] + values[1],)
+"""
+
 
 def twice() -> tuple[float, int]:
     """What a generated function says in a process that has not read it yet, and whether it was compiled before."""
@@ -264,3 +271,40 @@ def test_a_mistake_in_what_is_generated_is_not_hidden(folder: Path) -> None:
     with pytest.raises(SyntaxError):
         cache.import_generated("wrong", [], lambda: "def f(:")
     assert not [name for name in sys.modules if name.startswith("narrows_wrong")]
+
+
+def sum_of(numbers: tuple[float, float]) -> float:
+    """What a straight line gives in a process that has not read it yet."""
+    module = cache.import_generated("sum", ["part"], lambda: SUM)
+    given, results = (ctypes.c_double * 2)(*numbers), (ctypes.c_double * 1)()
+    ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(address(module, "sum_of"))(given, results)
+    return results[0]
+
+
+@pytest.mark.parametrize("kind", DAMAGE)
+def test_damaged_machine_code_is_made_again(kind: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was made is then read: a compiler that fails is not asked."""
+    assert sum_of((40.0, 2.0)) == 42.0
+    (path,) = folder.glob("*.o")
+    whole = path.read_bytes()
+    path.write_bytes(DAMAGE[kind](whole))
+    monkeypatch.setattr(cache, "_MODULES", {})
+    assert sum_of((40.0, 2.0)) == 42.0
+    assert path.read_bytes() == whole
+    monkeypatch.setattr(cache, "_MODULES", {})
+    monkeypatch.setattr("narrows.codegen.compilation.optimised", None)
+    assert sum_of((20.0, 1.0)) == 21.0
+
+
+def test_machine_code_of_another_text_is_not_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sum_of((40.0, 2.0)) == 42.0
+    monkeypatch.setattr(cache, "_MODULES", {})
+    for path in folder.glob("*.py"):
+        path.unlink()
+    monkeypatch.setitem(globals(), "SUM", SUM.replace("+", "-"))
+    assert sum_of((40.0, 2.0)) == 38.0
+
+
+def test_machine_code_needs_no_folder(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder.write_text("no folder can be made here")
+    assert sum_of((40.0, 2.0)) == 42.0

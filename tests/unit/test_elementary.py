@@ -8,6 +8,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
+from narrows.codegen.cache import import_generated
 from narrows.codegen.compilation import address
 from narrows.codegen.free_motion import ROW
 from narrows.codegen.printers.python import module_text
@@ -33,9 +34,7 @@ def compiled() -> SimpleNamespace:
     calls = {name: f"{name}({', '.join(columns[:count])})" for name, count in ARGUMENTS.items()}
     calls |= {f"entry_{column}": f"entry(table, {column}, {columns[0]})" for column in READ_COLUMNS}
     text = module_text(ROW, *(over_lanes(name, call) for name, call in calls.items()))
-    module = ModuleType("elementary_of_test")
-    exec(text, vars(module))
-    vars(module)["TEXT"] = text
+    module = import_generated("elementary", [text], lambda: text)
     return SimpleNamespace(**{name: lanes(module, name) for name in calls}, written=module)
 
 

@@ -18,6 +18,9 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 from numba.core.caching import IndexDataCacheFile
 
+from narrows.base.errors import InputError
+from narrows.base.files import write_whole
+
 INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
 # Arguments that are arrays, and whole numbers; all others are numbers.
 ARRAYS = ("block", "table", "shared", "z", "inputs", "values", "constants")
@@ -31,33 +34,50 @@ INTRINSICS = {"abs": "fabs", "sqrt": "sqrt", "log": "log", "sin": "sin", "cos": 
 
 Value = Any  # An LLVM value, a number of Python, or a tuple of them
 
+DIGEST = hashlib.sha256().digest_size  # Files of compiled code begin with the hash of the rest
+
 _ENGINES: list[Any] = []  # An engine owns the code that it made
 
 
 @cache
 def address(module: ModuleType, name: str) -> int:
-    """Compile a function of a generated module; return its address."""
-    engine = llvm.create_mcjit_compiler(*optimised(module, name))
+    """Compile a function of a generated module, or read what an earlier process compiled; return its address."""
+    machine, processor = this_machine()
+    path = Path(str(module.__file__)).with_suffix(f".{name}.{hashlib.sha256(processor.encode()).hexdigest()[:12]}.o")
+    text, code = vars(module)["TEXT"].encode(), None
+    with suppress(OSError):
+        content = path.read_bytes()
+        if hashlib.sha256(text + content[DIGEST:]).digest() == content[:DIGEST]:
+            code = content[DIGEST:]
+    if code is None:
+        code = machine.emit_object(optimised(module, name, machine))
+        with suppress(InputError):
+            write_whole(path, hashlib.sha256(text + code).digest() + code)
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
     _ENGINES.append(engine)
     return int(engine.get_function_address(name))
 
 
-def optimised(module: ModuleType, name: str) -> tuple[Any, Any]:
-    """Return a function as optimised code of LLVM, and this machine."""
-    function = Compiler(vars(module)["TEXT"]).function(name)
+@cache
+def this_machine() -> tuple[Any, str]:
+    """Return what writes code for this processor, and the processor's name and features."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
-    features = llvm.get_host_cpu_features().flatten()
+    name, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
     if "+avx2" in features:  # Many processors gather from a table more slowly than they read number by number
         features += ",+prefer-no-gather"
-    machine = llvm.Target.from_default_triple().create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=3, codemodel="jitdefault", jit=True
-    )
-    compiled = llvm.parse_assembly(str(function.module))
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(name, features, opt=3, codemodel="jitdefault", jit=True), name + features
+
+
+def optimised(module: ModuleType, name: str, machine: Any) -> Any:
+    """Return a function as optimised code of LLVM."""
+    compiled = llvm.parse_assembly(str(Compiler(vars(module)["TEXT"]).function(name).module))
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
     builder.getModulePassManager().run(compiled, builder)
-    return compiled, machine
+    return compiled
 
 
 class Compiler:
@@ -226,9 +246,6 @@ class Body:
 
 # Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged
 # file is compiled again, and an unwritable one is ignored.
-DIGEST = hashlib.sha256().digest_size
-
-
 class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
     """One file per signature of a function, named by the signature, which begins with the hash of its content.
 

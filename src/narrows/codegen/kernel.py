@@ -8,6 +8,7 @@ earlier ones, so its derivatives stay short; those of whole formulas do not.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain
 
 from sympy import Integer, sign, sympify
@@ -29,16 +30,23 @@ ENDS = ("heading", "ahead", "astern", "afloat")
 def plain_text(choices: Choices, rates: Rates) -> str:
     """Write constants, rates, step and clearance of a system as functions of floats or columns."""
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
-    (step, after), (program, derivatives) = step_of(rates, choices), rates.program()
+    step, after = step_of(rates, choices)
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
-        constants_text(rates.parameters, rates.constants),
-        _function("rates", program, [derivatives[name] for name in STATE], STATE),
+        *_rate_texts(rates),
         _function("step", step, [after[name] for name in (*kept, "clearance", "side")], kept, "table"),
         _function("least_clearance", lines, least_clearance(lines, choices, state), STATE[:5], "table"),
         _function("ends", ends, ends_of(ends, choices, state), STATE[:5], "table"),
     ]
     return "\n\n".join(parts)
+
+
+@lru_cache(maxsize=32)
+def _rate_texts(rates: Rates) -> tuple[str, str]:
+    """Constants and rates: the same for every law and contact."""
+    program, derivatives = rates.program()
+    constants = constants_text(rates.parameters, rates.constants)
+    return constants, _function("rates", program, [derivatives[name] for name in STATE], STATE)
 
 
 def _function(name: str, lines: Lines, results: Sequence[Expr], first: tuple[str, ...], *table: str) -> str:

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
-from scipy.stats import norm, t
+from scipy.special import ndtri, stdtrit
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
@@ -206,7 +206,7 @@ class Uncertain(NamedTuple):
 
 def tail_factor(degrees: float) -> float:
     """Return the 97.5 % quantile of Student's t over that of the normal distribution."""
-    return float(t.ppf(0.975, degrees) / norm.ppf(0.975))
+    return float(stdtrit(degrees, 0.975) / ndtri(0.975))
 
 
 class FormulaErrors(NamedTuple):

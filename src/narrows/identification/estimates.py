@@ -148,11 +148,13 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
 
 def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
     """Standard deviation of the tail of a normal distribution, ``beyond`` the mean."""
-    from scipy import stats
+    from scipy.special import erfcx
 
     # Farther out than 50 standard deviations the tail is an exponential one, and the difference of moments is rounding.
     t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
-    near = stats.truncnorm.std(np.minimum(t, 50.0), np.inf)
+    start = np.minimum(t, 50.0)
+    mean = np.sqrt(2 / np.pi) / erfcx(start / np.sqrt(2))
+    near = np.sqrt(1 + mean * (start - mean))
     return np.asarray(std * np.where(t < 50.0, near, 1 / np.maximum(t, 50.0)))
 
 

@@ -180,9 +180,9 @@ class MixedModel:
     @cached_property
     def _density_ratio(self) -> np.ndarray:
         """Density of the standard normal distribution over that of each prior's t distribution, both at 0."""
-        from scipy import stats
+        from scipy.special import poch
 
-        return np.asarray(stats.norm.pdf(0.0) / stats.t.pdf(0.0, self.freedom))
+        return np.asarray(np.sqrt(self.freedom / 2) / poch(self.freedom / 2, 0.5))
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Covariance of the errors of rows, at one point or at many, (..., rows, rows)."""
