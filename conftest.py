@@ -93,16 +93,13 @@ def join_pages(config: pytest.Config, items: list[pytest.Item]) -> None:
 def mark_whole(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark what tests/whole.txt names, and note which of its patterns match no test."""
     lines = (Path(__file__).parent / "tests" / "whole.txt").read_text(encoding="utf-8").splitlines()
-    patterns = {
-        line: re.compile(fnmatch.translate(line.replace("[", "[[]"))) for line in lines if line and line[0] != "#"
-    }
-    unmatched = set(patterns)
+    patterns = {line: fnmatch.translate(line.replace("[", "[[]")) for line in lines if line and line[0] != "#"}
+    unmatched, any_pattern = set(patterns), re.compile("|".join(patterns.values()))
     for item in items:
         name = whole_name(item)
-        for pattern_text, pattern in patterns.items():
-            if pattern.match(name):
-                item.add_marker(pytest.mark.whole)
-                unmatched.discard(pattern_text)
+        if any_pattern.match(name):
+            item.add_marker(pytest.mark.whole)
+            unmatched -= {line for line, pattern in patterns.items() if re.match(pattern, name)}
     is_complete = config.args == config.getini("testpaths")
     config.stash[UNMATCHED] = unmatched if is_complete else set()
 
