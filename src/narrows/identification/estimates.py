@@ -154,8 +154,7 @@ def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
     t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
     start = np.minimum(t, 50.0)
     mean = np.sqrt(2 / np.pi) / erfcx(start / np.sqrt(2))
-    near = np.sqrt(1 + mean * (start - mean))
-    return np.asarray(std * np.where(t < 50.0, near, 1 / np.maximum(t, 50.0)))
+    return np.asarray(std * np.where(t < 50.0, np.sqrt(1 + mean * (start - mean)), 1 / np.maximum(t, 50.0)))
 
 
 def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:
