@@ -11,6 +11,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
+from narrows.identification import mixed_model
 from narrows.identification.mixed_model import Conditional, MixedModel, ScaleMixture, integrate, one_thread, search
 from narrows.identification.motions import numbered
 
@@ -216,6 +217,26 @@ def reordered(tests: CaptiveTests, order: np.ndarray, names: tuple[str, ...] = (
     starts = np.concatenate([[0], np.cumsum(np.diff(tests.starts)[order])])
     columns = {name: column[rows] for name, column in tests.columns.items()}
     return CaptiveTests(columns, names or tuple(tests.names[i] for i in order), starts, tests.configuration)
+
+
+def test_the_posterior_of_the_same_tests_is_kept_and_of_others_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where they may take no memory, none is kept, and the answer is the same."""
+    tests, other = nw.twin(seed=3), nw.twin(seed=4)
+    one, again, moved = (nw.identify(each) for each in (tests, tests, other))
+    exact = nw.identify(tests, errors=nw.RunErrors(gain=0.001))
+
+    def posteriors(fit: nw.Fit) -> list[ScaleMixture]:
+        return [part.posterior for part in fit.estimates.forces]
+
+    assert [new is old for new, old in zip(posteriors(again), posteriors(one), strict=True)] == [True] * 2
+    assert not {*map(id, posteriors(one))} & {*map(id, posteriors(moved) + posteriors(exact))}
+    assert len({fit.std["b_v"] for fit in (one, moved, exact)}) == 3
+    monkeypatch.setattr(mixed_model, "KEPT_BYTES", 0)
+    monkeypatch.setattr(mixed_model, "_KEPT", {})
+    fresh = nw.identify(tests)
+    assert not {*map(id, posteriors(fresh))} & {*map(id, posteriors(one))}
+    assert fresh.std == one.std
+    assert not mixed_model._KEPT
 
 
 def test_neither_order_nor_copies_of_tests_matter(fit: nw.Fit) -> None:

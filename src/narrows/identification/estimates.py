@@ -11,7 +11,7 @@ from narrows.base.errors import InputError
 from narrows.base.named_values import Named
 from narrows.base.results import Aliased, with_error
 from narrows.identification.least_squares import Problem, solve, solve_many
-from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
+from narrows.identification.mixed_model import ScaleMixture, one_thread, posterior_of
 from narrows.identification.motions import DistinctMotions, ForceRows, distinct_motions, grouped, row_blocks
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import Effect, RunErrors, assemble
@@ -94,7 +94,7 @@ def estimates(
     for forces in problem.joint_forces:
         rows = ForceRows(equations, motions, blocks, problem, forces)
         model, effects, unit = assemble(rows, errors, configuration)
-        parts.append(part := ForcePosterior(rows, effects, unit, integrate(model)))
+        parts.append(part := ForcePosterior(rows, effects, unit, posterior_of(model)))
         at = np.array(rows.free_parameters)
         table[at], covariance[np.ix_(at, at)] = _within_bounds(part, problem.bounds[at])
     order = [problem.slot[name] for name in problem.terms.names]

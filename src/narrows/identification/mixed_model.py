@@ -17,9 +17,11 @@ Ionides (2008), Truncated importance sampling: the weights.
 Carvalho, Polson, Scott (2010), The horseshoe estimator for sparse signals: scales that are multiples of a global one.
 """
 
+import pickle
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property, wraps
+from hashlib import sha256
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
@@ -41,6 +43,7 @@ APART, LESS_LIKELY = 1.0, 8.0  # Least distance of two modes, and largest differ
 LEAST_SHARE = 0.2  # Least share of the points for each mode
 HEAVY = 0.15  # Weight of a point from which another mode is searched for
 MOST_MODES = 5
+KEPT_BYTES = 100e6  # Covariances of posteriors that are kept for the next fit of the same tests
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
@@ -245,6 +248,19 @@ class SplitNormal:
     @property
     def log_volume(self) -> float:
         return float(np.linalg.slogdet(self.root)[1] + np.log(self.widths.mean(axis=0)).sum())
+
+
+_KEPT: dict[bytes, "ScaleMixture"] = {}  # The last used come last
+
+
+def posterior_of(model: MixedModel) -> "ScaleMixture":
+    """Return the posterior, which is kept a while: reports, comparisons and plans fit the same tests again."""
+    key = sha256(pickle.dumps([getattr(model, one.name) for one in fields(model)])).digest()
+    found = _KEPT.pop(key, None) or integrate(model)
+    _KEPT[key] = found
+    while sum(one.parts[0].covariance.nbytes * len(one.parts) for one in _KEPT.values()) > KEPT_BYTES:
+        del _KEPT[next(iter(_KEPT))]
+    return found
 
 
 def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
