@@ -94,7 +94,7 @@ def join_pages(config: pytest.Config, items: list[pytest.Item]) -> None:
 
 
 # Two examples that compile the dearest loops, those of the filters and those of fleets.
-COMPILING = ("[estimate_states]", "[ensemble]")
+COMPILING = ("shows[estimate_states]", "shows[ensemble]")
 
 
 def begin_apart(items: list[pytest.Item]) -> None:
