@@ -12,7 +12,15 @@ import pytest
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import mixed_model
-from narrows.identification.mixed_model import Conditional, MixedModel, ScaleMixture, integrate, one_thread, search
+from narrows.identification.mixed_model import (
+    Conditional,
+    MixedModel,
+    ScaleMixture,
+    integrate,
+    one_thread,
+    search,
+    stack,
+)
 from narrows.identification.motions import numbered
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
@@ -192,7 +200,7 @@ def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: n
         absent, present = (replace(other, y=model.y - size * column) for size in (0, 1))
         expected = (present.conditional(at).mean - absent.conditional(at).mean)[: model.fixed]
         free = replace(model, absorbed=0 * model.absorbed)
-        part = ScaleMixture(free, at, at[None], np.ones(1), [model.conditional(at)])
+        part = ScaleMixture(free, at, at[None], np.ones(1), stack([model.conditional(at)]))
         np.testing.assert_allclose(part.shifts[:, i], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
 

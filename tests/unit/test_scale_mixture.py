@@ -17,6 +17,7 @@ from narrows.identification.mixed_model import (
     _split_normal,
     integrate,
     search,
+    stack,
 )
 
 PRECISION = 1e-6  # of a coefficient a priori
@@ -321,7 +322,7 @@ def test_a_shift_is_the_regression_of_coefficients_on_an_effect() -> None:
     """Weighted over the draws, cov(coefficient + absorbed effects, effect) over var(effect), by hand."""
     model = replace(small_model(), absorbed=np.array([[0.5, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, -2.0]]))
     parts = [model.conditional(z) for z in POINTS]
-    mixture = ScaleMixture(model, POINTS[0], np.array(POINTS), np.array([0.25, 0.75]), parts)
+    mixture = ScaleMixture(model, POINTS[0], np.array(POINTS), np.array([0.25, 0.75]), stack(parts))
     expected = np.zeros((2, 5))
     for part, weight in zip(parts, (0.25, 0.75), strict=True):
         c = part.covariance

@@ -322,7 +322,7 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates) -> "pd.Data
     gone = np.zeros((len(motions), len(problem.scale)))
     for part in found.forces:
         best, p = part.posterior.weights.argmax(0, keepdims=True), len(part.rows.free_parameters)
-        variances = np.diag(part.posterior.parts[best[0]].covariance)[:p]
+        variances = np.diag(part.posterior.stacked[1][best[0]])[:p]
         for motion, own, _ in _motions(part):
             added = without_rows(part, best, own)[2][0, :p]
             gone[motion, part.rows.free_parameters] = added / np.maximum(variances + added, 1e-300)

@@ -43,7 +43,7 @@ APART, LESS_LIKELY = 1.0, 8.0  # Least distance of two modes, and largest differ
 LEAST_SHARE = 0.2  # Least share of the points for each mode
 HEAVY = 0.15  # Weight of a point from which another mode is searched for
 MOST_MODES = 5
-KEPT_BYTES = 100e6  # Covariances of posteriors that are kept for the next fit of the same tests
+KEPT_BYTES = 200e6  # Covariances of posteriors that are kept for the next fit of the same tests
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
@@ -258,7 +258,7 @@ def posterior_of(model: MixedModel) -> "ScaleMixture":
     key = sha256(pickle.dumps([getattr(model, one.name) for one in fields(model)])).digest()
     found = _KEPT.pop(key, None) or integrate(model)
     _KEPT[key] = found
-    while sum(one.parts[0].covariance.nbytes * len(one.parts) for one in _KEPT.values()) > KEPT_BYTES:
+    while sum(one.stacked[1].nbytes for one in _KEPT.values()) > KEPT_BYTES:
         del _KEPT[next(iter(_KEPT))]
     return found
 
@@ -267,7 +267,7 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
     """Integrate over the scales: points about each mode, weighted by the posterior over the proposal."""
     if not len(model.prior):
         nothing = np.zeros(0)
-        return ScaleMixture(model, nothing, nothing[None], np.ones(1), [model.conditional(nothing)])
+        return ScaleMixture(model, nothing, nothing[None], np.ones(1), stack([model.conditional(nothing)]))
     modes, densities = search(model), list[SplitNormal]()
     known: dict[bytes, Conditional] = {}  # A longer Sobol sequence begins with the points of the shorter one
     while True:
@@ -301,7 +301,7 @@ def _sample_modes(
     weight /= weight.sum()
     truncated = np.minimum(weight, np.sqrt(points) / len(weight))
     mode = densities[int(sizes.argmax())].mode
-    return ScaleMixture(model, mode, within, truncated / truncated.sum(), parts), weight
+    return ScaleMixture(model, mode, within, truncated / truncated.sum(), stack(parts)), weight
 
 
 def search(model: MixedModel) -> list[tuple[np.ndarray, float]]:
@@ -356,6 +356,11 @@ def _split_normal(model: MixedModel, mode: np.ndarray) -> SplitNormal:
     return SplitNormal(mode, root, np.clip(widths, NARROW, WIDE), top)
 
 
+def stack(parts: list[Conditional]) -> tuple[np.ndarray, np.ndarray]:
+    """Return means and covariances of coefficients and effects, (draws, p + q) and (draws, p + q, p + q)."""
+    return np.stack([part.mean for part in parts]), np.stack([part.covariance for part in parts])
+
+
 @dataclass(frozen=True)
 class ScaleMixture:
     """A mixture of Gaussians, one for each point of the scales."""
@@ -364,17 +369,12 @@ class ScaleMixture:
     mode: np.ndarray
     points: np.ndarray  # (draws, scales) coordinates
     weights: np.ndarray
-    parts: list[Conditional]
+    stacked: tuple[np.ndarray, np.ndarray]  # Means and covariances of coefficients and effects, by ``stack``
 
     @cached_property
     def _combined(self) -> np.ndarray:
         """Matrix from coefficients and effects to the coefficients of the best-fitting terms, (p, p + q)."""
         return np.hstack([np.eye(self.model.fixed), self.model.absorbed])
-
-    @cached_property
-    def stacked(self) -> tuple[np.ndarray, np.ndarray]:
-        """Means and covariances of coefficients and effects, (draws, p + q) and (draws, p + q, p + q)."""
-        return np.stack([part.mean for part in self.parts]), np.stack([part.covariance for part in self.parts])
 
     @cached_property
     def means(self) -> np.ndarray:
