@@ -16,6 +16,8 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
+        if name.startswith("_"):  # Asked by inspect, IPython and others, often
+            raise
         from narrows.base.aliases import function_named, public_name
 
         if function := function_named(name):
