@@ -1,7 +1,7 @@
 """Compilation: straight lines of Python by LLVM, for one vessel or in loops over lanes; other loops by Numba.
 
 Numba infers types and counts references, which takes seconds where formulas are long. A straight line of numbers needs
-neither; LLVM makes vectors of the loops over lanes. For Numba: checked files of its code.
+neither; LLVM makes vectors of the loops over lanes. What both compile is kept in checked files.
 """
 
 import ast
@@ -44,12 +44,8 @@ def address(module: ModuleType, name: str) -> int:
     """Compile a function of a generated module, or read what an earlier process compiled; return its address."""
     machine, processor = this_machine()
     path = Path(str(module.__file__)).with_suffix(f".{name}.{hashlib.sha256(processor.encode()).hexdigest()[:12]}.o")
-    text, code = vars(module)["TEXT"].encode(), None
-    with suppress(OSError):
-        content = path.read_bytes()
-        if hashlib.sha256(text + content[DIGEST:]).digest() == content[:DIGEST]:
-            code = content[DIGEST:]
-    if code is None:
+    text = vars(module)["TEXT"].encode()
+    if (code := checked(path, text)) is None:
         code = machine.emit_object(optimised(module, name, machine))
         with suppress(InputError):
             write_whole(path, hashlib.sha256(text + code).digest() + code)
@@ -58,6 +54,15 @@ def address(module: ModuleType, name: str) -> int:
     engine.finalize_object()
     _ENGINES.append(engine)
     return int(engine.get_function_address(name))
+
+
+def checked(path: str | Path, about: bytes = b"") -> bytes | None:
+    """Return what follows the hash in a file, which is that of ``about`` and the rest; None if absent or damaged."""
+    with suppress(OSError):
+        content = Path(path).read_bytes()
+        if hashlib.sha256(about + content[DIGEST:]).digest() == content[:DIGEST]:
+            return content[DIGEST:]
+    return None
 
 
 @cache
@@ -260,12 +265,10 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
 
     def load(self, key: Any) -> Any:
         """Read the code of a signature; None if it is absent, damaged or of another version."""
-        with suppress(OSError):
-            content = Path(self._place(key)).read_bytes()
-            if hashlib.sha256(content[DIGEST:]).digest() == content[:DIGEST]:
-                *known, data = pickle.loads(content[DIGEST:])
-                return data if known == [self._version, self._source_stamp, key] else None
-        return None
+        if (kept := checked(self._place(key))) is None:
+            return None
+        *known, data = pickle.loads(kept)
+        return data if known == [self._version, self._source_stamp, key] else None
 
     def _place(self, key: Any) -> str:
         return str(self._data_path(self._data_name(int(hashlib.sha256(repr(key).encode()).hexdigest()[:12], 16))))
