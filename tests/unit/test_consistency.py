@@ -110,6 +110,13 @@ def test_every_argument_changes_the_answer(name: str) -> None:
     assert first.std.tobytes() != other.std.tobytes() or first.error.tobytes() != other.error.tobytes()
 
 
+def test_the_speed_is_that_of_a_voyage_unless_given() -> None:
+    short = {"y": 0.4, "twins": 1, "duration": 2.0}
+    usual = consistency(steered(), ALL, **short)
+    given = consistency(steered(), ALL, u=nw.simulate(steered(), y=0.4, duration=1.0).u[0], **short)
+    assert usual.error.tobytes() == given.error.tobytes()
+
+
 REFUSED = {
     "no twins": lambda: consistency(steered(), ALL, twins=0),
     "no time": lambda: consistency(steered(), ALL, duration=-1.0),

@@ -24,6 +24,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
+from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import check_steps
 from narrows.simulation.kernel_run import RUDDER, ShipLanes
 
@@ -138,8 +139,8 @@ class Twins(NamedTuple):
 
 
 def consistency(
-    model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
-    drawn: bool = False, seed: int = 0, x: float = 0.0, controller: ControlLaw | None = None,
+    model: Model, sensors: Sequence[Any], y: float = 0.0, u: float | None = None, *, twins: int = 40,
+    duration: float = 600.0, drawn: bool = False, seed: int = 0, x: float = 0.0, controller: ControlLaw | None = None,
     excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
     **filtering: Any,
 ) -> Consistency:  # fmt: skip
@@ -150,7 +151,7 @@ def consistency(
     model, sensors, waterway, **filtering : Model, sequence of Sensor and RudderIndicator, Waterway, Any
         As for ``Estimator``; the model has a rudder unless the given controller needs none.
     x, y, u : float [m], [m], [m/s]
-        Start along the waterway, offset and speed of the twins.
+        Start along the waterway, offset and speed of the twins; the speed is that of ``simulate`` unless given.
     twins, duration, seed : int, float [s], int
         Number of twins, duration of each, and seed of all random numbers.
     drawn : bool
@@ -167,6 +168,7 @@ def consistency(
     if controller is not None and not isinstance(controller, ControlLaw):
         raise InputError(f"a {type(controller).__name__} is no law in arithmetic; give one, such as Autopilot")
     check_steps(duration, 1.0, math.inf)
+    u = voyage_defaults(model).speed if u is None else u
     first, psi = Estimator(model, sensors, waterway=waterway, **filtering), 0.0
     if controller is None:
         controller = regulator(model, y, u)
@@ -233,7 +235,7 @@ def sail_twins(
         states.append(now)
         indicated.append(after)
     truth, noisy = np.array(states), np.array(indicated)
-    if RUDDER in filter.actuators and filter.indicator.noise:
+    if RUDDER in filter.actuators:
         noisy[..., filter.actuators.index(RUDDER)] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
     sailed = lanes, filter, times, truth, random
     readings = {name: _readings(sensor, *sailed)[:, :count] for name, sensor in filter.sensors.items()}
