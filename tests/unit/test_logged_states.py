@@ -56,6 +56,13 @@ def test_speed_over_ground_starts_an_estimate_too() -> None:
     assert abs(track["u"][-1] - voyage.u[-1]) < 2 * track.to_dataframe().u_std.iloc[-1] < 1.0
 
 
+def test_of_two_speeds_the_one_through_the_water_is_read() -> None:
+    """A current of 0.5 m/s ahead, which the estimate is not told of."""
+    table = recorded(sailed()).iloc[:40]
+    both = nw.estimate_states(KCS, table.assign(speed_over_ground=table.u + 0.5))
+    assert np.array_equal(both.mean, nw.estimate_states(KCS, table).mean)
+
+
 def test_what_has_no_states_is_refused() -> None:
     table = recorded(sailed()).iloc[:20]
     with pytest.raises(nw.InputError, match="has 2 records; give one of them"):
