@@ -13,6 +13,7 @@ from logs import D, kvlcc2, sensed, trial, zigzag
 from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.record_grid import grid_of
 from narrows.logbook.learning.learn_log import _source
+from narrows.logbook.learning.log_fit import Gusts
 from narrows.logbook.learning.log_setup import parts
 
 WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
@@ -89,6 +90,13 @@ def test_what_was_left_out_is_predicted_better() -> None:
     assert [record.name for record in learned().records] == ["zigzag +20", "zigzag -20", "circle"]
     shares = [record.information["N_v"] for record in learned().records]
     assert all(0 < share < 1 for share in shares)
+
+
+def test_gusts_are_told_where_they_were_estimated() -> None:
+    gusty = replace(learned(), gusts=Gusts(sway=0.002, yaw=3e-5, memory=25.0, correlation=0.1, strength=1.0))
+    told = "Estimated gusts: 0.002 m/s2 in sway and 3e-05 rad/s2 in yaw (standard deviations), with a correlation time"
+    assert told in gusty.summary()
+    assert "Estimated gusts" not in learned().summary()
 
 
 @pytest.mark.parametrize("ratio", [0.65, 1.3])
