@@ -27,12 +27,16 @@ def pytest_configure(config: pytest.Config) -> None:
 
     One worker a core is enough: threads of a linear algebra library wait for each other, which takes time of the rest.
     """
-    gc.disable()  # Until tests are collected
     if "NARROWS_CACHE_DIR" not in os.environ:  # A run without pytest's own cache names the folder
         os.environ["NARROWS_CACHE_DIR"] = str(config.cache.mkdir("narrows"))
     os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # Its own is too small for the systems of a run
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def pytest_collectstart(collector: pytest.Collector) -> None:
+    """Collect tests without the garbage collector; a process that collects none keeps it."""
+    gc.disable()
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -19,7 +19,7 @@ from narrows.waterway import Bank, Centreline
 from twins import CURRENT, SPEED, drawn_truth, large_container_ship, transits_of
 
 pytestmark = pytest.mark.slow
-MINUTES, LONGER = 12.0, 12.0
+MINUTES = 12.0
 
 
 @cache
@@ -144,9 +144,9 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
 
 def passed(marked: bool) -> nw.LogFit:
     """A transit on which two ships pass."""
-    transit = PassedTransit(twin()[0], SPEED, 60 * LONGER, passes=(200.0, 520.0))
+    transit = PassedTransit(twin()[0], SPEED, 60 * MINUTES, passes=(200.0, 520.0))
     (record,) = transits_of(transit, VDR, 1, 3)
-    t = np.arange(0.0, 60 * LONGER, 10.0)
+    t = np.arange(0.0, 60 * MINUTES, 10.0)
     near = np.minimum(abs(t - 200.0), abs(t - 520.0)) < ship().configuration.ship.length / SPEED
     return nw.learn(ship(), record.with_signals(meeting=nw.Signal(t, 1.0 * near)) if marked else record)
 

@@ -45,10 +45,10 @@ def address(module: ModuleType, name: str) -> int:
     machine, processor = this_machine()
     path = Path(str(module.__file__)).with_suffix(f".{name}.{hashlib.sha256(processor.encode()).hexdigest()[:12]}.o")
     text = vars(module)["TEXT"].encode()
-    if (code := checked(path, text)) is None:
+    if (code := unsealed(path, text)) is None:
         code = machine.emit_object(optimised(module, name, machine))
         with suppress(InputError):
-            write_whole(path, hashlib.sha256(text + code).digest() + code)
+            write_whole(path, sealed(code, text))
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
     engine.finalize_object()
@@ -56,12 +56,17 @@ def address(module: ModuleType, name: str) -> int:
     return int(engine.get_function_address(name))
 
 
-def checked(path: str | Path, about: bytes = b"") -> bytes | None:
-    """Return what follows the hash in a file, which is that of ``about`` and the rest; None if absent or damaged."""
+def sealed(content: bytes, about: bytes = b"") -> bytes:
+    """Return a content after the hash of what it is about and of itself."""
+    return hashlib.sha256(about + content).digest() + content
+
+
+def unsealed(path: str | Path, about: bytes = b"") -> bytes | None:
+    """Return the sealed content of a file, None if it is absent, damaged or about something else."""
     with suppress(OSError):
-        content = Path(path).read_bytes()
-        if hashlib.sha256(about + content[DIGEST:]).digest() == content[:DIGEST]:
-            return content[DIGEST:]
+        kept = Path(path).read_bytes()
+        if kept == sealed(kept[DIGEST:], about):
+            return kept[DIGEST:]
     return None
 
 
@@ -261,11 +266,11 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
     def save(self, key: Any, data: Any) -> None:
         kept = self._dump((self._version, self._source_stamp, key, data))
         with self._open_for_write(self._place(key)) as file:
-            file.write(hashlib.sha256(kept).digest() + kept)
+            file.write(sealed(kept))
 
     def load(self, key: Any) -> Any:
         """Read the code of a signature; None if it is absent, damaged or of another version."""
-        if (kept := checked(self._place(key))) is None:
+        if (kept := unsealed(self._place(key))) is None:
             return None
         *known, data = pickle.loads(kept)
         return data if known == [self._version, self._source_stamp, key] else None

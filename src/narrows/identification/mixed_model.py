@@ -22,6 +22,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property, wraps
 from hashlib import sha256
+from threading import Lock
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
@@ -150,9 +151,8 @@ class MixedModel:
             part[:, -1] -= part[:, :-1] @ beta[batch.columns]
             quadratic += (part[:, -1] ** 2).sum()
             logs += np.log(np.einsum("bii->bi", root)).sum()
-        logs += np.log(unit[:p]).sum()
         slope = self._gradient(z, scale, beta, inverse, roots, white) if gradient else np.zeros(0)
-        return Conditional(float(logs - 0.5 * quadratic), beta, inverse, slope)
+        return Conditional(float(logs + np.log(unit[:p]).sum() - 0.5 * quadratic), beta, inverse, slope)
 
     def _gradient(
         self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, roots: list[np.ndarray],
@@ -251,15 +251,19 @@ class SplitNormal:
 
 
 _KEPT: dict[bytes, "ScaleMixture"] = {}  # The last used come last
+_LOCK = Lock()  # Fits may run in threads
 
 
 def posterior_of(model: MixedModel) -> "ScaleMixture":
     """Return the posterior, which is kept a while: reports, comparisons and plans fit the same tests again."""
     key = sha256(pickle.dumps([getattr(model, one.name) for one in fields(model)])).digest()
-    found = _KEPT.pop(key, None) or integrate(model)
-    _KEPT[key] = found
-    while sum(one.stacked[1].nbytes for one in _KEPT.values()) > KEPT_BYTES:
-        del _KEPT[next(iter(_KEPT))]
+    with _LOCK:
+        found = _KEPT.pop(key, None)
+    found = found or integrate(model)
+    with _LOCK:
+        _KEPT[key] = found
+        while sum(one.stacked[1].nbytes for one in _KEPT.values()) > KEPT_BYTES:
+            del _KEPT[next(iter(_KEPT))]
     return found
 
 
