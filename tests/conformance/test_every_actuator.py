@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.model import sections as model_files
 from narrows.quantities.names import PARTICULARS, Dimension, dimension_of
-from narrows.ship.actuators import STANDARD, Actuator, Part
+from narrows.ship import actuators, ship_file
+from narrows.ship.actuators import OTHER_SECTIONS, STANDARD, Actuator, Part, with_standard
 
 every_actuator = pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
 LIMIT, RATE, STEP = 0.3, 0.1, 0.5
@@ -18,6 +20,43 @@ LIMIT, RATE, STEP = 0.3, 0.1, 0.5
 def sections(actuator: Actuator) -> list[Part]:
     """Its sections of a ship file, every number a half, and one pump."""
     return [part(**{own.name: 1 if own.name == "pumps" else 0.5 for own in fields(part)}) for part in actuator.parts]
+
+
+def test_no_actuator_and_no_section_is_forgotten() -> None:
+    own = [one for one in vars(actuators).values() if isinstance(one, Actuator)]
+    assert sorted(one.name for one in own) == sorted(one.name for one in STANDARD)
+    parts = {one for one in vars(actuators).values() if isinstance(one, type) and issubclass(one, Part)} - {Part}
+    assert parts == {part for actuator in STANDARD for part in actuator.parts}
+
+
+def test_sections_of_files_that_are_of_no_actuator_cannot_be_one() -> None:
+    assert {*ship_file.NEEDED, *model_files.REQUIRED} <= {*OTHER_SECTIONS}
+    for section in OTHER_SECTIONS:
+        own = type("Own", (Part,), {"SECTION": section, "POSITION": "flap"})
+        with pytest.raises(nw.InputError, match=rf"section \[{section}\] is one of every file"):
+            Actuator("flap", "rad", "angle of the flap", parts=(own,))
+
+
+@pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
+def test_another_of_its_name_or_section_is_refused(actuator: Actuator) -> None:
+    assert with_standard([actuator]) == STANDARD
+    with pytest.raises(nw.InputError, match=f"two actuators are called '{actuator.name}'; rename one"):
+        nw.Term("b_own", "b", lambda u: u, nw.Dimension(), actuator=replace(actuator, meaning="another"))
+    section = actuator.parts[0].SECTION
+    part = dataclass(frozen=True)(type("Own", (Part,), {"SECTION": section, "POSITION": "flap"}))
+    with pytest.raises(nw.InputError, match=f"two sections are called '{section}'; rename one"):
+        with_standard([Actuator("flap", "1", "angle of the flap", parts=(part,))])
+
+
+def test_an_angle_is_in_radians() -> None:
+    with pytest.raises(nw.InputError, match="actuator flap: an angle in deg; give it in rad"):
+        Actuator("flap", "deg", "angle of the flap", angle=True)
+
+
+def test_a_section_without_numbers_is_refused() -> None:
+    part = type("Flap", (Part,), {"SECTION": "flap", "POSITION": "flap"})
+    with pytest.raises(nw.InputError, match=r"section \[flap\] has no numbers; make Flap a frozen dataclass"):
+        Actuator("flap", "rad", "angle of the flap", parts=(part,))
 
 
 @every_actuator
@@ -32,7 +71,6 @@ def test_its_sections_give_the_unit_of_every_number(actuator: Actuator) -> None:
 def test_a_position_gives_the_terms_what_they_ask_for(actuator: Actuator) -> None:
     assert actuator.placed(0.2).keys() == actuator.controls.keys()
     assert actuator.at_rest() == ({} if actuator.rest is None else actuator.placed(actuator.rest))
-    assert len({own.name for own in STANDARD}) == len(STANDARD), "two actuators have one name"
 
 
 @every_actuator
@@ -81,10 +119,6 @@ def moved_by(actuator: Actuator, dtc: nw.Model) -> nw.Model:
         POSITION: ClassVar[str] = actuator.name
         limit: float = LIMIT
         rate: float = RATE
-
-        @classmethod
-        def known_as(cls, number: str) -> str:
-            return f"{cls.POSITION}_{number}"
 
     (*_, control) = actuator.controls
     force = eval(f"lambda {control}: {control}")

@@ -6,13 +6,14 @@ from inspect import signature
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
 from arithmetic import check_arithmetic, values_at
 from limits import within
 from narrows.model.tables import NEW, PUBLISHED, REFITTED
+from narrows.quantities.names import REGRESSOR_INPUTS, dimension_of
 from narrows.simulation.ship import SimulatedShip
 
 every_form = pytest.mark.parametrize("form", nw.FORMS.values(), ids=lambda form: form.name)
@@ -44,7 +45,21 @@ def test_it_is_finite_until_the_hull_meets_the_bank(form: nw.BankForm, dtc: nw.M
 
 
 @every_form
+def test_it_scales_by_froudes_law(form: nw.BankForm, dtc: nw.Model) -> None:
+    """A coefficient is a number: the force of a ship 25 times as large is 25^3 times as large, the moment 25^4."""
+    units = {name: dimension_of(own.unit) for name, own in REGRESSOR_INPUTS.items()}
+    small = {name: value for name, value in values_at(dtc, {"y": 1.0, "psi": 0.1, "u": 0.8}).items() if name in units}
+    large = {name: value * 25.0**unit.length * 5.0**unit.time * 25.0 ** (3 * unit.mass)
+             for name, value in small.items() for unit in [units[name]]}  # fmt: skip
+    for terms, power in ((form.sway, 3), (form.yaw, 4)):
+        for term in terms:
+            one, other = (term.regressor(*(at[name] for name in term.inputs)) for at in (small, large))
+            assert other == pytest.approx(25.0**power * one)
+
+
+@every_form
 @given(y=st.floats(-2.5, 2.5), psi=st.floats(-1.5, 1.5), u=st.floats(-2.0, 2.0))
+@example(y=1e-5, psi=0.1, u=1.0)  # Near the line that a difference must not lose
 @settings(max_examples=10)
 def test_floats_columns_and_exact_numbers_agree(
     form: nw.BankForm, dtc: nw.Model, y: float, psi: float, u: float
@@ -72,3 +87,12 @@ def test_it_says_where_it_is_from_and_where_it_holds(form: nw.BankForm) -> None:
     assert form.validity
     assert form.status in (PUBLISHED, REFITTED, NEW)
     assert nw.with_bank(nw.PAPER, form.name).name == f"paper+{form.name}"
+
+
+def test_a_name_that_a_table_cannot_carry_is_refused() -> None:
+    own = nw.FORMS["delta"]
+    for name in ("squared+gap", "squared gap", "", "at@speed", "helm", "open_water"):
+        with pytest.raises(nw.InputError, match="cannot be called"):
+            replace(own, name=name)
+    with pytest.raises(nw.InputError, match="form own: b_vv is a coefficient of paper already; rename yours"):
+        nw.with_bank(nw.PAPER, replace(own, name="own", parameters={"vv": own.parameters["bank"]}))

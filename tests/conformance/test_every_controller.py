@@ -1,5 +1,6 @@
 """Every law of ``CONTROLLERS``: arithmetic, with a memory that is kept; the matrix sails each in every engine."""
 
+from dataclasses import is_dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -36,6 +37,11 @@ def seen(law: ControlLaw, motion: dict[str, Any], memory: dict[str, Any]) -> Sim
 def begun(law: ControlLaw) -> dict[str, Any]:
     start = {name: float(column[0]) for name, column in motions(3).items()}
     return dict(law.memory(start))
+
+
+def test_no_law_is_forgotten() -> None:
+    laws = {one for one in vars(nw.controllers).values() if is_dataclass(one) and hasattr(one, "orders")}
+    assert laws == {type(law) for law in LAWS.values()}, "give each an example in CONTROLLERS"
 
 
 @every_law

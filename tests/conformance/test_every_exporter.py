@@ -1,6 +1,7 @@
 """Every exporter of ``EXPORTERS``: its files, its verb, its refusals, its passport; coefficients and options count."""
 
 import gzip
+import re
 import tarfile
 import zipfile
 from dataclasses import replace
@@ -56,8 +57,11 @@ def test_the_help_names_it_and_python_gives_it(kind: str) -> None:
     own, shown = EXPORTERS[kind], CliRunner().invoke(app, ["export", "--help"]).stdout
     assert repr(kind) in shown
     words = [word.rstrip(",.") for word in shown.split()]
-    assert [words.count(suffix) for suffix in own.suffixes] == [1] * len(own.suffixes)
+    assert {suffix: words.count(suffix) for suffix in own.suffixes} == dict.fromkeys(own.suffixes, 1)
     assert own.words
+    described = re.search(rf"\b{kind} \((.*?)\)", " ".join((nw.export.write.__doc__ or "").split()))
+    assert described, "name it in the docstring of write"
+    assert sorted(described[1].split(", ")) == sorted(f"``{suffix}``" for suffix in own.suffixes)
 
 
 def contents(kind: str, folder: Path, model: nw.Model, suffix: str = "", **options: Any) -> bytes:
@@ -95,6 +99,7 @@ def test_every_coefficient_of_the_bank_counts(
 def test_every_option_counts(kind: str, tmp_path: Path, uncompiled: None) -> None:
     model, exporter = model_of("steered"), EXPORTERS[kind]
     asked = exporter.options
+    assert {*asked} <= OTHERS.keys(), "give each option another value in OTHERS"
 
     def files(**options: Any) -> list[bytes]:
         return [contents(kind, tmp_path, model, suffix, **options) for suffix in exporter.suffixes]

@@ -7,21 +7,22 @@ import pytest
 
 import narrows as nw
 from faults import FAULTS as EXAMPLES
-from faults import ashore
+from faults import ashore, scaled
 from logs import bend, bent_waterway, circle, kvlcc2, zigzag
+from narrows.logbook.checking import check_log
 from narrows.logbook.checking.check_log import RECORD_CHECKS, Checked, Finding
 from narrows.logbook.checking.faults import FAULTS, MISREADINGS, Misreading
 from narrows.logbook.ship_log import SIGNALS
 
 
-def checked(record: nw.ShipRecord, waterway: nw.Waterway | None = None) -> Checked:
-    return Checked(record, kvlcc2(), waterway, kvlcc2().ship.length / 7.0)
+def checked(record: nw.ShipRecord, waterway: nw.Waterway | None = None, speed: float = 7.0) -> Checked:
+    return Checked(record, kvlcc2(), waterway, kvlcc2().ship.length / speed)
 
 
 def spoiled() -> list[Checked]:
     seldom = zigzag().with_signals(rudder=nw.Signal(zigzag()["rudder"].t[::20], zigzag()["rudder"].values[::20]))
     others = [
-        Checked(zigzag(), kvlcc2(), None, 1.0),
+        checked(scaled(100.0, "u")(zigzag()), speed=700.0),  # Centimetres
         checked(seldom),
         checked(ashore(bend()), bent_waterway(length=9000.0)),
     ]
@@ -32,8 +33,16 @@ def spoiled() -> list[Checked]:
 
 
 @pytest.mark.parametrize("check", RECORD_CHECKS, ids=lambda check: check.__name__)
-def test_a_check_finds_a_fault_and_leaves_good_records_alone(check: Callable[[Checked], Iterator[Finding]]) -> None:
-    assert any(list(check(at)) for at in spoiled())
+def test_a_check_finds_a_fault_and_leaves_good_records_alone(
+    check: Callable[[Checked], Iterator[Finding]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And ``check_log`` asks it."""
+    monkeypatch.setattr(check_log, "_by_filter", lambda *asked: ())
+    found = [(at, {one.check for one in check(at)}) for at in spoiled()]
+    assert any(
+        named and named <= {one.check for one in nw.check_log(nw.ShipLog((at.record,), at.waterway), kvlcc2()).findings}
+        for at, named in found
+    )
     good = [checked(zigzag()), checked(circle()), checked(bend(), bent_waterway(length=9000.0))]
     assert [one for at in good for one in check(at)] == []
     few = nw.ShipRecord("few", {name: zigzag()[name] for name in ("x", "y")})

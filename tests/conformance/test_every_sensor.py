@@ -10,7 +10,7 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
+from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor, sensors
 from narrows.estimation.consistency import Twins, sail_twins
 from narrows.estimation.sensors import SENSORS
 from narrows.estimation.states import STATES, Columns, StateNames
@@ -32,6 +32,11 @@ def columns(points: np.ndarray) -> Columns:
 def measured(sensor: Sensor, points: np.ndarray) -> np.ndarray:
     """Its numbers, a row a state."""
     return np.stack([np.broadcast_to(one, len(points)) for one in sensor.measured(columns(points))], axis=1)
+
+
+def test_no_sensor_is_forgotten() -> None:
+    own = {one for one in vars(sensors).values() if isinstance(one, type) and issubclass(one, Sensor)}
+    assert own - {Sensor, sensors.Antenna} == {*SENSORS.values()}, "give it a name, and name it in __all__"
 
 
 @every_sensor

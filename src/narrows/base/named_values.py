@@ -1,12 +1,24 @@
 """Values by name: coefficients, forces, errors by force."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from narrows.base.errors import InputError, did_you_mean
+
+Row = TypeVar("Row")
+
+
+def by_name(what: str, rows: Iterable[tuple[str, Row]]) -> dict[str, Row]:
+    """Rows of a registry by name; raises an InputError if two have one name, for one of them would be lost."""
+    found = dict[str, Row]()
+    for name, row in rows:
+        if name in found:
+            raise InputError(f"two {what} are called {name!r}; rename one")
+        found[name] = row
+    return found
 
 
 class Named(dict[str, Any]):

@@ -22,7 +22,7 @@ from narrows.captive.settings import SHORTEST_RECORD
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Quantity, is_unit, unit_named
 from narrows.readers.cells import Vocabulary, floats, numbers, quantity_of, split_header
 from narrows.readers.text_table import seen
-from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
+from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of, with_standard
 from narrows.ship.particulars import Canal, Ship, Water, wall_of
 
 
@@ -55,7 +55,7 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
 
 def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
     """Raise if terms need a quantity that neither the table nor its ship file gives."""
-    movers = (*STANDARD, *actuators)
+    movers = with_standard(actuators)
     column = {word: actuator.name for actuator in movers for word in actuator.controls}
     column |= {"cos_psi": "psi", "sin_psi": "psi"}
     missing = list(dict.fromkeys(column.get(name, name) for name in asked if name not in values))
@@ -346,6 +346,7 @@ class Lataire(Layout):
         ahead = frame[np.abs(numbers(frame, "psi", table)) < 90].rename(columns=cls.RENAMED)
         fore, aft = (numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
         ahead["heave [mm]"] = (fore + aft) / 2
+        ahead["revolutions [rpm]"] = np.maximum(numbers(ahead, "propeller rate", table), 0)  # -1: stopped
         ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
         ahead["condition"] = "banks"
         for name in ahead["bank"]:

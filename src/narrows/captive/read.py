@@ -24,7 +24,7 @@ from narrows.readers import cells
 from narrows.readers.cells import Column, Vocabulary, floats, more_like_it, recognised_in, row_number
 from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
-from narrows.ship.actuators import STANDARD, Actuator
+from narrows.ship.actuators import Actuator, with_standard
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, check_same_ship, configuration_in, ship_from
 
@@ -240,7 +240,7 @@ def checked(
     frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = ()
 ) -> CaptiveTests:
     """Return the rows test by test, in SI, with notes of assumptions and of columns that were not read."""
-    by_actuator = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
+    by_actuator = {actuator.name: actuator for actuator in with_standard(actuators)}
     order, names, starts = grouped(tests_of(frame, table))
     frame = frame.iloc[order]
     recognised = recognised_in(frame, columns_with(by_actuator.values()), table)

@@ -14,6 +14,7 @@ import numpy as np
 
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError
+from narrows.base.named_values import by_name
 from narrows.base.results import Aliased
 from narrows.estimation.settings import FAULT_STD, FAULT_WALK
 from narrows.estimation.states import Columns, MarkovProcess
@@ -240,9 +241,8 @@ class CourseOverGround(Antenna):
 
 
 # Sensors of the estimate by the default name of their readings. The rudder indicator is an input of the model instead.
-SENSORS: dict[str, type[Sensor]] = {
-    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Sensor) and sensor.name
-}
+_KINDS: list[type[Sensor]] = [kind for name in __all__ if issubclass(kind := globals()[name], Sensor)]
+SENSORS = by_name("sensors", ((kind.name, kind) for kind in _KINDS if kind.name))
 
 
 def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from narrows.base.aliases import accept_aliases, part_named
 from narrows.base.errors import InputError, check_choice
 from narrows.base.files import form_of, write_whole
+from narrows.base.named_values import by_name
 
 if TYPE_CHECKING:
     from narrows.model.model import Model
@@ -131,8 +132,9 @@ _ROWS = (
     Exporter("python", "a Python file that needs NumPy alone", (".py",), SHIP_FILE, SHIP),
 )  # fmt: skip
 # Formats of ``narrows export``, by name; those of a whole ship by suffix, which the bank's force alone shares.
-EXPORTERS: dict[str, Exporter] = {own.kind: own for own in _ROWS}
-BY_SUFFIX = {suffix: own for own in _ROWS if own.kind != "bank-force" for suffix in own.suffixes}
+EXPORTERS = by_name("exporters", ((own.kind, own) for own in _ROWS))
+_WHOLE = (own for own in _ROWS if own.kind != "bank-force")
+BY_SUFFIX = by_name("exporters", ((suffix, own) for own in _WHOLE for suffix in own.suffixes))
 # Methods ``to_c`` ... of a model.
 LANGUAGES = {kind.replace("-", "_"): own for kind, own in EXPORTERS.items() if kind != "latex"}
 

@@ -1,11 +1,13 @@
 """The tables of terms of the package, by name: hull, form of the bank term with source and validity, rudder."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
 from narrows.base.errors import InputError, did_you_mean
+from narrows.base.named_values import by_name
 from narrows.base.results import BaseSummary
 from narrows.model.additions import ADDED, AT, HELM, Grouped, pooled
 from narrows.model.term import (
@@ -58,6 +60,8 @@ PUBLISHED, REFITTED, NEW = "published", "form of another, coefficients refitted"
 class BankForm(BaseSummary):
     """A form of the bank term.
 
+    Raises an InputError if its name is no plain word, or that of an addition to a table.
+
     >>> nw.FORMS["delta"].name
     'delta'
     """
@@ -68,6 +72,10 @@ class BankForm(BaseSummary):
     source: str  #: Its source
     validity: str  #: Range of validity
     status: str  #: ``published``, ``form of another, coefficients refitted`` or ``new in narrows``
+
+    def __post_init__(self) -> None:
+        if not re.fullmatch(r"\w+", self.name) or self.name in (*ADDED, OPEN_WATER):
+            raise InputError(f"a form of the bank term cannot be called {self.name!r}; give it a plain word of its own")
 
     def summary(self) -> str:
         return f"{self.name}, {self.status}: {self.source}"
@@ -96,9 +104,9 @@ def _bank_terms(form: BankForm, letter: str, law: Callable[..., Number]) -> tupl
 PAPER_TEXT = "Mikkelsen et al. (2025)"
 TWO = "h > T; two coefficients a force, so that the sign can change with depth"
 # The forms by name.
-FORMS = {
-    form.name: form
-    for form in (
+FORMS = by_name(
+    "forms of the bank term",
+    ((form.name, form) for form in (
         BankForm("delta", {"bank": clearance.delta}, PAPER_TEXT, "clear of the banks; independent of depth", PUBLISHED),
         BankForm("tapered", {"bank": clearance.tapered_delta}, f"{PAPER_TEXT}, red curve of fig. (Delta_fun)",
                  "also within the boundary layer of a wall; independent of depth", PUBLISHED),
@@ -115,14 +123,14 @@ FORMS = {
                  "h >= T; the paper's delta at T = h; no change of sign", NEW),
         BankForm("delta_depth", {"bank": clearance.delta, "bank_depth": clearance.shallow_delta},
                  "delta and delta T/(h - T)", TWO, NEW),
-    )
-}  # fmt: skip
+    )),
+)  # fmt: skip
 
 
 def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTable:
     """Return a table with another form of its bank term.
 
-    Raises an InputError if there is no such form.
+    Raises an InputError if there is no such form, or it gives a coefficient the name of another term.
 
     Parameters
     ----------
@@ -143,8 +151,12 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
             raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
         form = FORMS[form]
     kept = without(table, name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
-    _, sway, yaw = table.letters
-    return kept.with_terms(kept.name, sway=_bank_terms(form, sway, suction), yaw=_bank_terms(form, yaw, cushion))
+    _, of_sway, of_yaw = table.letters
+    sway, yaw = _bank_terms(form, of_sway, suction), _bank_terms(form, of_yaw, cushion)
+    for term in (*sway, *yaw):
+        if term.name in kept.names:
+            raise InputError(f"form {form.name}: {term.name} is a coefficient of {table.name} already; rename yours")
+    return kept.with_terms(kept.name, sway=sway, yaw=yaw)
 
 
 def without_bank(table: TermTable) -> TermTable:

@@ -13,7 +13,7 @@ from narrows.base.errors import InputError, check_choice, did_you_mean, shown
 from narrows.base.results import BaseSummary
 from narrows.physics import squat_and_depth
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Dimension, Number, Quantity, argument_names
-from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
+from narrows.ship.actuators import PROPELLER, STANDARD, Actuator, with_standard
 from narrows.ship.checks import is_finite
 
 if TYPE_CHECKING:
@@ -127,7 +127,7 @@ class Term(BaseSummary):
 
     @property
     def _known(self) -> tuple[Actuator, ...]:
-        return STANDARD if self.actuator is None else (*STANDARD, self.actuator)
+        return STANDARD if self.actuator is None else with_standard([self.actuator])
 
     @property
     def _vocabulary(self) -> dict[str, Quantity]:

@@ -8,9 +8,15 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from narrows.base.errors import InputError
+from narrows.base.named_values import by_name
 from narrows.base.results import Aliased
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Dimension, Number, Quantity, dimension_of
 from narrows.ship.checks import check_fields
+
+# Sections of ship files and model files that are of no actuator.
+OTHER_SECTIONS = (
+    "ship", "canal", "water", "depths", "terms", "coefficients", "covariance", "data_range", "source", "verdicts",
+)  # fmt: skip
 
 
 def number_in(unit: str, meaning: str, default: Any = MISSING) -> Any:
@@ -38,8 +44,10 @@ class Part(Aliased):
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return the name in the terms of a number of the section."""
-        return number if number == cls.POSITION else f"{cls.SECTION}_{number}"
+        """Return the name in the terms of a number of the section; ``limit`` and ``rate`` are of the position."""
+        if number == cls.POSITION:
+            return number
+        return f"{cls.POSITION if number in ('limit', 'rate') else cls.SECTION}_{number}"
 
     def values(self) -> dict[str, float]:
         """Every number by its name in the terms and the equations of motion."""
@@ -195,9 +203,16 @@ class Actuator:
         if not (self.name.isascii() and self.name.isidentifier()) or self.name in taken:
             raise InputError(f"an actuator cannot be called {self.name!r}; give it a plain word of its own")
         dimension_of(self.unit)
+        if self.angle and self.unit != "rad":
+            raise InputError(f"actuator {self.name}: an angle in {self.unit}; give it in rad")
         for part in self.parts:
+            section = f"actuator {self.name}: its section [{part.SECTION}]"
             if part.POSITION != self.name:
-                raise InputError(f"actuator {self.name}: its section [{part.SECTION}] is of {part.POSITION!r}; mend it")
+                raise InputError(f"{section} is of {part.POSITION!r}; mend it")
+            if part.SECTION in OTHER_SECTIONS:
+                raise InputError(f"{section} is one of every file; call it otherwise")
+            if "__dataclass_fields__" not in vars(part):
+                raise InputError(f"{section} has no numbers; make {part.__name__} a frozen dataclass")
 
     @property
     def controls(self) -> dict[str, Quantity]:
@@ -242,8 +257,16 @@ PROPELLER = Actuator("revolutions", "1/s", "propeller revolutions n", parts=(Pro
 STANDARD = (RUDDER, PROPELLER)
 
 
+def with_standard(actuators: Iterable[Actuator] = ()) -> tuple[Actuator, ...]:
+    """The package's actuators and further ones; raises an InputError if two have one name, or one section."""
+    known = tuple(dict.fromkeys((*STANDARD, *actuators)))
+    by_name("actuators", ((actuator.name, actuator) for actuator in known))
+    by_name("sections", ((part.SECTION, part) for actuator in known for part in actuator.parts))
+    return known
+
+
 def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
-    return PARTICULARS | {n: it for actuator in (*STANDARD, *actuators) for n, it in actuator.particulars.items()}
+    return PARTICULARS | {n: it for actuator in with_standard(actuators) for n, it in actuator.particulars.items()}
 
 
 def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:

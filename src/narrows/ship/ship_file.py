@@ -10,7 +10,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, path_of, shown
 from narrows.base.files import reading
 from narrows.quantities.names import PARTICULARS
-from narrows.ship.actuators import STANDARD, Actuator, Part
+from narrows.ship.actuators import Actuator, Part, with_standard
 from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Water
 
 # Sections of every configuration; defaults are used if they are absent.
@@ -60,7 +60,7 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
 
 def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part]]:
     """Return the class of each section of a file that belongs to an actuator."""
-    return {part.SECTION: part for actuator in (*STANDARD, *actuators) for part in actuator.parts}
+    return {part.SECTION: part for actuator in with_standard(actuators) for part in actuator.parts}
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:

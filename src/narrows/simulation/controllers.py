@@ -15,6 +15,7 @@ from narrows.base.errors import InputError
 from narrows.base.results import BaseSummary, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
+from narrows.simulation.inputs import real_numbers
 
 Named = Mapping[str, Number]
 
@@ -94,7 +95,7 @@ class ConstantRudder(WithoutMemory):
     rudder: Any  #: Angle, positive if it turns the bow to starboard: float or DataArray [rad]
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.rudder).all():
+        if not np.isfinite(real_numbers(self.rudder)).all():
             raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
 
     def parameters(self) -> Mapping[str, Any]:
@@ -122,7 +123,7 @@ class Zigzag(_Law):
     heading: Any  #: Heading change at which the order is reversed: float or DataArray [rad]
 
     def __post_init__(self) -> None:
-        rudder, heading = np.asarray(self.rudder, float), np.asarray(self.heading, float)
+        rudder, heading = real_numbers(self.rudder), real_numbers(self.heading)
         finite = np.isfinite(rudder).all() and np.isfinite(heading).all()
         if not (finite and (heading > 0).all() and (rudder != 0).all()):
             raise InputError("a zigzag needs a rudder angle and a positive change of heading; give both")
@@ -165,7 +166,7 @@ class Autopilot(WithoutMemory):
         if len(self.gains) != 4:
             raise InputError(f"an autopilot has four gains, for y, psi, v and r; these are {len(self.gains)}")
         for number in (self.y, *self.gains, self.rudder, self.psi, self.v):
-            if not np.isfinite(number).all():
+            if not np.isfinite(real_numbers(number)).all():
                 raise InputError(f"an autopilot with {number} steers nothing; give finite numbers")
 
     def parameters(self) -> Mapping[str, Any]:
@@ -196,7 +197,7 @@ class PID(_Law):
 
     def __post_init__(self) -> None:
         for name, number in vars(self).items():
-            if not np.isfinite(number).all():
+            if not np.isfinite(real_numbers(number)).all():
                 raise InputError(f"{name} = {number} of an autopilot is no finite number; give one")
 
     def parameters(self) -> Mapping[str, Any]:

@@ -13,7 +13,7 @@ from narrows.base.results import answer
 from narrows.model.model import Model
 from narrows.model.term import TermTable
 from narrows.quantities.names import FORCES, PARTICULARS
-from narrows.ship.actuators import STANDARD, particulars_with, places_of
+from narrows.ship.actuators import particulars_with, places_of, with_standard
 from narrows.ship.checks import check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import START, STEADY
 from narrows.simulation.kernel_run import OUTPUTS
@@ -81,7 +81,7 @@ class Grid:
 
 def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:
     movers, machinery = model.terms.actuators, particulars_with(model.terms.actuators)
-    names = {*machinery, *(actuator.name for actuator in (*STANDARD, *movers))}
+    names = {*machinery, *(actuator.name for actuator in with_standard(movers))}
     particulars = {name: value for name, value in model.configuration.values().items() if name in names}
     known = {**START, **dict.fromkeys(FORCES, 0.0), **STEADY, **particulars, **model.coefficients}
     words = {*known, *machinery, *(actuator.name for actuator in movers)}
@@ -90,7 +90,7 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
             raise InputError(f"an ensemble cannot vary {name!r}{did_you_mean(name, words)}")
     check_count("samples", samples, most=MOST_SAMPLES)
     check_count("seed", seed)
-    places = {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *movers))  # In a ship file
+    places = {name: place_of(name) for name in PARTICULARS} | places_of(with_standard(movers))  # In a ship file
     columns = constrained(model.terms, {name: labelled(name, value, places) for name, value in vary.items()})
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
     values |= sampled(model, samples, seed) if samples else {}

@@ -197,6 +197,8 @@ def check_place(at: Checked) -> Iterator[Finding]:
     )  # fmt: skip
 
 
+# The clock is checked before all others, which need right times; the place after them, since a hull in a bank is a
+# consequence of other faults.
 RECORD_CHECKS = (check_clock, check_repeats, check_speed, check_rudder, check_place)
 ALL = "all records"
 MISSING_REMEDY = "leave the record out, or record what is missing"
@@ -228,7 +230,8 @@ def check_log(
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         try:
             at = Checked(record, model, water, model.configuration.ship.length / speed_of(record))
-            found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
+            between = [check for check in RECORD_CHECKS if check not in (check_clock, check_place)]
+            found = list(check_clock(at)) or [one for check in between for one in check(at)]
         except InputError as error:
             words = str(error)
             found = [Finding(record.name, "missing", words.rpartition("; ")[0] or words, MISSING_REMEDY)]
@@ -242,7 +245,7 @@ def check_log(
         spread = settings.CHECKED_SPREAD if spread is None and model.covariance is None else spread
         with stage("checking the records"):
             findings += _by_filter(checked, model, sensors, spread)
-        if not any(one.wrong for one in findings):  # A hull in a bank is a consequence of other faults.
+        if not any(one.wrong for one in findings):
             findings += [one for at in good for one in check_place(at)]
     return LogFindings(tuple(findings), count)
 
