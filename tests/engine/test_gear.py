@@ -145,14 +145,16 @@ def test_the_predictive_helm_stands_every_gear(dt: float, told: bool, dead: floa
     assert held(model, helm, dt, 300.0) < 2.0
 
 
-def test_the_predictive_helm_stands_a_gear_that_it_is_not_told_of() -> None:
-    """A hull of 4 m, for which 0.3 s and 0.5 s are what 2.3 s and 4 s are at full size."""
+@pytest.mark.parametrize("told", [False, True])
+def test_the_predictive_helm_stands_the_gear_of_a_hull_in_a_tank(told: bool) -> None:
+    """A hull of 4 m, for which 0.3 s and 0.5 s are what 2.3 s and 4 s are at full size; also if it is not told."""
     pytest.importorskip("daqp")
     import plans
 
     model, off = geared(plans.ship(), dead_time=0.3, lag=0.5), plans.ship().configuration.ship.length / 230.0
     start = {"y": plans.HOLD + off, "u": plans.SPEED, "duration": 30.0, "dt": 0.13}
-    voyage = nw.simulate(model, **start, controller=plans.helm())
+    helm = PredictiveHelm(model, plans.HOLD, plans.SPEED) if told else plans.helm()
+    voyage = nw.simulate(model, **start, controller=helm)
     assert voyage.outcome.kind == "afloat"
     assert np.abs(voyage.y - plans.HOLD).max() < 2.0 * off
     assert np.abs(voyage.y - plans.HOLD)[-50:].max() < 0.1 * off

@@ -15,8 +15,10 @@ from scipy.stats import norm
 
 import narrows as nw
 from browsers import chromium
+from narrows.export.exported_ship import ExportedShip
 from narrows.export.page import assembly
 from narrows.export.page.assembly import helm_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 
 LARGEST = 100_000
 BESIDE = "[...document.querySelectorAll('header p, header li')].map(one => one.textContent).join(' ')"
@@ -338,6 +340,25 @@ def contrast(one: str, other: str) -> float:
 
     light = sorted(map(luminance, (one, other)))
     return (light[1] + 0.05) / (light[0] + 0.05)
+
+
+def test_the_sliders_are_those_of_the_ship_and_its_canal() -> None:
+    """Without a browser: helm and rudder where it steers, the depth of its canal."""
+
+    def sliders(name: str) -> dict[str, Any]:
+        model = model_of(name)
+        ship, (helm, _) = SimulatedShip(model), helm_of(model, 1.0)
+        exported = ExportedShip(ship, None, assembly.SHIP, steering_of(helm, ship.actuators))
+        return {one["name"]: one for one in assembly.sliders_of(exported, 1.0)}
+
+    steered, deep = sliders("steered"), sliders("paper+keel_gap")
+    assert (steered["helm"]["label"], steered["helm"]["switch"]) == ("helm: hold the middle", True)
+    assert (steered["rudder"]["low"], steered["rudder"]["high"], steered["rudder"]["value"]) == (-25.0, 25.0, 0)
+    assert not {"helm", "rudder"} & deep.keys()
+    draft = model_of("paper+keel_gap").configuration.ship.draft
+    assert deep["depth"]["low"] == pytest.approx(1.1 * draft, abs=deep["depth"]["step"])
+    assert deep["depth"]["high"] == pytest.approx(4.0 * draft, abs=deep["depth"]["step"])
+    assert deep["depth"]["value"] == 0.3
 
 
 @pytest.mark.slow

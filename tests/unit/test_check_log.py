@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,8 +12,9 @@ import pytest
 import narrows as nw
 from faults import FAULTS, ashore, off, scaled, seldom
 from logs import bend, bent_waterway, kvlcc2, zigzag
-from narrows.logbook.checking.check_log import ALL, Checked, check_clock, check_place
-from narrows.logbook.checking.faults import FaultTest, FaultTests
+from narrows.logbook.checking import check_log
+from narrows.logbook.checking.check_log import ALL, Checked, Finding, check_clock, check_place
+from narrows.logbook.checking.faults import Fault, FaultTest, FaultTests
 from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.ship_log import VDR, sensor_grade
@@ -29,6 +31,19 @@ def test_a_fault_of_a_zigzag_is_found_alone_with_its_remedy(fault: str) -> None:
     found = nw.check_log([spoil(zigzag())], kvlcc2())
     assert {own.check for own in found} == {check}, found.summary()
     assert remedy in found.findings[0].remedy, found.summary()
+
+
+@pytest.mark.parametrize("harms", [(), (0,), (1,), (0, 1), (2,)])
+def test_faults_that_do_no_harm_hide_none_that_does(harms: tuple[int, ...], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The strongest is named, and the strongest that harms; after that no other, for others may follow from it."""
+    every = [FaultTest(place, Fault("zero", "psi", None), "all", 1.0, 0.1 * (place + 1), 1e-9) for place in range(3)]
+    tests = SimpleNamespace(tested=lambda known: [one for one in every if one.place not in known])
+    monkeypatch.setattr(check_log, "_scores", lambda *asked: tests)
+    monkeypatch.setattr(
+        check_log, "_finding", lambda test, learned: Finding("all", str(test.place), "", "", test.place in harms)
+    )
+    found = [int(one.check) for one in check_log._tested(None, None, [], "all")]  # type: ignore[arg-type]
+    assert found == [0, *(place for place in harms[:1] if place)]
 
 
 def test_nothing_is_found_where_nothing_is() -> None:

@@ -33,12 +33,19 @@ def assert_is_model_of(fit: nw.Fit, file: Path) -> None:
 
 
 def test_json_is_the_documented_shape_and_the_model_file_is_the_fit(
-    good: Path, ship_file: Path, tmp_path: Path, cli
+    good: Path, ship_file: Path, tmp_path: Path, cli, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    code, out, err = cli("identify", good, "--ship", ship_file, "-o", tmp_path / "m.toml", "--json")
-    assert (code, err) == (0, "")
+    reported = list[tuple]()
+    monkeypatch.setattr(nw.report, "write_report", lambda *told: reported.append(told))
+    page = tmp_path / "m.html"
+    code, out, err = cli("identify", good, "--ship", ship_file, "-o", tmp_path / "m.toml", "--json", "--report", page)
+    assert code == 0, err
     shown = json.loads(out)
     fit = nw.identify(nw.read_captive(good, ship_file))
+    ((of_page, path, title, answers),) = reported
+    assert [own.coefficients for own in of_page.values()] == [fit.coefficients]
+    assert (Path(path), title) == (page, "good")
+    assert [own.to_dict() for own in answers.values()] == [shown["answer"]]
     assert_is_model_of(fit, tmp_path / "m.toml")
     assert list(shown["coefficients"]) == list(nw.PAPER.names)
     for name, own in shown["coefficients"].items():

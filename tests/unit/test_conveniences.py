@@ -2,6 +2,7 @@
 
 import inspect
 import math
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,9 @@ import sympy
 
 import narrows as nw
 from direct_equation import accelerations
+from narrows.base.results import with_error
 from narrows.quantities.arithmetic import choice, maximum
+from narrows.report import fit_page
 from tables import frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -224,6 +227,46 @@ def test_a_report_of_one_fit(tmp_path) -> None:
     page = (tmp_path / "a.html").read_text()
     assert "of the twin" in page
     assert "b_bank" in page
+
+
+def test_what_a_report_shows_besides(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two fits of one ship in one table of values; the title; fits of another ship are not compared."""
+    fit, written = SHOWN["fit"], []
+    monkeypatch.setattr(nw.report, "write_report", lambda *told: written.append(told))
+    fit.report("a.html", "of the twin")
+    assert written == [({"": fit}, "a.html", "of the twin")]
+    table = fit_page._comparison({"0.4 m": fit, "0.5 m": fit})
+    assert table is not None
+    assert table["labels"] == ["0.4 m", "0.5 m"]
+    name, values, words = table["rows"][list(fit.coefficients).index("b_vv")]
+    assert name == "b_vv"
+    assert values[0] == values[1] == with_error(fit.coefficients["b_vv"], fit.std["b_vv"])
+    assert words == [fit.verdicts["b_vv"].status.replace(" ", "-")] * 2
+    assert fit_page._comparison({"0.4 m": fit}) is None
+
+
+def test_a_level_of_confidence_that_is_the_own_one_is_taken() -> None:
+    told = {"model": DTC, "y": [0.0], "u": [1.0]}
+    with pytest.raises(nw.InputError, match="no terms of a rudder"):
+        nw.safe_envelope(**told, confidence=0.95)
+    with pytest.raises(nw.InputError, match=r"has no argument 'confidence'; write .*95 % probability"):
+        nw.safe_envelope(**told, confidence=0.9)
+
+
+def test_the_kind_of_an_export_may_come_first(tmp_path) -> None:
+    nw.export.write(DTC, "c", str(tmp_path / "ship.h"))
+    assert (tmp_path / "ship.h").read_text() == nw.export.to_language(DTC, "c")
+
+
+def test_a_probability_is_a_share_of_the_samples() -> None:
+    fleet = nw.ensemble(DTC, y=[0.0, 2.0], u=1.0, psi=[0.0, 0.3], duration=5.0)
+    grounded = fleet.grounded.values
+    assert 0 < grounded.mean() < 1
+    assert float(fleet.probability()) == grounded.mean()
+    assert float(fleet.probability("afloat")) == 1 - grounded.mean()
+    certain = replace(DTC, covariance=np.zeros((len(DTC.terms), len(DTC.terms))))
+    drawn = nw.ensemble(certain, y=[0.0, 2.0], u=1.0, duration=5.0, samples=3, seed=1)
+    np.testing.assert_array_equal(drawn.probability(), (drawn.outcome == "grounded").mean("sample"))
 
 
 def test_tests_are_a_collection_and_a_table() -> None:

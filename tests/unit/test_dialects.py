@@ -152,6 +152,10 @@ UNREADABLE: dict[str, tuple[str | bytes, str]] = {
         text(frame=ROWS.rename(columns=lambda name: f"q{name}")), "seen 'qtest', 'qt', 'qx', 'qy', 'qpsi', ...",
     ),
     "a workbook by another name": (b"PK\x03\x04\0\0\0\0", r"a ZIP archive, as workbooks are \(name it .xlsx\)"),
+    "no numbers": ("t,u,v\na,b,c\nd,e,f\n", "row 2, column 't' holds a, not a finite number, and 1 more"),
+    "a quote in the header that is never closed": (
+        '"t,u,v\n1,2,3\n4,5,6\n', "no column is headed as a quantity: seen 'column 1'"
+    ),
     "points and commas": (
         text(";", ",").replace(",", ".", 40),
         r"line \d+ holds '\S+,\S+' and line 2 '\S+' in one column; write all decimals with commas",
@@ -165,6 +169,27 @@ def test_what_cannot_be_read_says_what_was_seen(case: str, ship_file: Path, tmp_
     with pytest.raises(nw.InputError, match=said) as error:
         nw.read_captive(put(tmp_path, content), ship_file)
     assert "is missing" not in str(error.value)
+
+
+def test_a_quote_far_down_that_is_never_closed_is_placed(ship_file: Path, tmp_path: Path) -> None:
+    """Its row in the file, also where blocks are read one by one."""
+    rows = [f"{i},1.0,2.0\n" for i in range(9000)]
+    path = put(tmp_path, "".join(["t,u,v\n", *rows, '9001,"2,3\n']))
+    for read in (nw.read_captive, lambda *told: list(nw.stream_captive(*told).blocks())):
+        with pytest.raises(nw.InputError, match=r"t\.csv: row 9002 opens a quote that no row closes; close it"):
+            read(path, ship_file)
+
+
+def test_a_line_of_words_above_others_is_no_header(ship_file: Path, tmp_path: Path) -> None:
+    tests = nw.read_captive(put(tmp_path, "ship,kcs,x\n1,,\nt,u,v\n1,2,3\n2,3,4\n"), ship_file)
+    np.testing.assert_array_equal(tests["u"], [2.0, 3.0])
+
+
+def test_a_unit_of_another_quantity_in_a_selection_is_refused(ship_file: Path) -> None:
+    with pytest.raises(
+        nw.InputError, match="the DataFrame: column 'y_deg': deg is not a unit of this quantity; give it"
+    ):
+        nw.read_captive(ROWS, ship_file, where="y_deg > 1")
 
 
 def test_excel(ship_file: Path, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Models on other tests, and tables of terms side by side: every number against its definition."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +33,13 @@ def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
     assert max(far) < 4.5
     assert np.sqrt(np.mean(np.square(far))) < 2
     assert not found.fitted_on_these
+
+
+def test_a_model_of_another_ship_says_so(found: nw.Explanation) -> None:
+    large = nw.scale_model(found.model, 355.0).model
+    said = replace(found, model=large).summary()
+    assert f"The model is of {large.ship.in_words}, these tests are of {found.model.ship.in_words}" in said
+    assert "The model is of" not in found.summary()
 
 
 def test_a_wrong_model_does_not(found: nw.Explanation) -> None:

@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 import narrows as nw
 from engine_models import mmg, steered
+from narrows.logbook import steady_legs
 from narrows.logbook.learned_coefficients import coefficient_prior, covered_range
 from narrows.logbook.steady_readings import LATENT, UNKNOWN, LegProblem, reading_error, shared_errors, steady_readings
 
@@ -245,6 +246,24 @@ def test_rows_that_are_no_legs_are_refused_in_a_sentence(change: dict[str, list 
     frame = legs().drop(columns=[name for name, column in change.items() if column is None])
     with pytest.raises(nw.InputError, match=said):
         nw.learn_steady(ship(), frame.assign(**{name: column for name, column in change.items() if column is not None}))
+
+
+def test_what_is_no_coefficient_and_no_leg_is_refused_in_a_sentence() -> None:
+    with pytest.raises(nw.InputError, match="targets = 5: give names of coefficients"):
+        nw.plan_steady(ship(), targets=5)
+    with pytest.raises(nw.InputError, match="has no leg; give a row for each side and speed"):
+        nw.learn_steady(ship(), legs().head(0))
+
+
+def test_a_search_that_stopped_early_is_said() -> None:
+    fit = learned()
+    assert fit.intervals == {name: own.interval for name, own in fit.coefficients.items()}
+    problem = LegProblem(coefficient_prior(ship(), "held"), CALM, steady_readings(legs(), CALM))
+    found = problem.fit()
+    said = "The search for the true states of the legs did not converge; give smaller errors of y and u."
+    for converged in (True, False):
+        notes = [*steady_legs._findings(problem, found._replace(converged=converged), "1", 0.5)]
+        assert (said in notes) is not converged
 
 
 def test_models_that_cannot_learn_are_refused_in_a_sentence() -> None:

@@ -22,6 +22,7 @@ from narrows.readers.settings import DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HE
 FIRST_ROW = 2  # Row number below a header in an editor: the index of a frame counts from there
 SKIPPED = rb"[ \t]*[#%\r\n]"  # Begin of a comment, or an empty line
 MORE_CELLS = "row {} has more cells than the header; give each column one header, and put words with spaces in quotes"
+OPEN_QUOTE = "row {} opens a quote that no row closes; close it, or leave it out"
 
 
 class Head(NamedTuple):
@@ -68,6 +69,8 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             except pd.errors.ParserError as error:
                 if line := re.search(r"fields in line (\d+)", str(error)):  # Counted within this text
                     raise InputError(MORE_CELLS.format(numbers[int(line[1]) - 1])) from None
+                if line := re.search(r"EOF inside string starting at row (\d+)", str(error)):  # From 0
+                    raise InputError(OPEN_QUOTE.format(numbers[int(line[1])])) from None
                 raise
             yield _finished(frame, dialect, numbers)
 
