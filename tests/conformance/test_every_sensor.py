@@ -39,6 +39,12 @@ def test_no_sensor_is_forgotten() -> None:
     assert own - {Sensor, sensors.Antenna} == {*SENSORS.values()}, "give it a name, and name it in __all__"
 
 
+def test_a_state_that_no_ship_has_is_refused() -> None:
+    own = type("Sway", (nw.estimation.Gyro,), {"state": "sway"})
+    with pytest.raises(nw.InputError, match=r"Sway: unknown state 'sway'; known: .*psi, r, "):
+        own(0.1)
+
+
 @every_sensor
 def test_it_is_a_sensor(make: type[Sensor]) -> None:
     sensor = make()

@@ -13,11 +13,11 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, did_you_mean
 from narrows.base.named_values import by_name
 from narrows.base.results import Aliased
 from narrows.estimation.settings import FAULT_STD, FAULT_WALK
-from narrows.estimation.states import Columns, MarkovProcess
+from narrows.estimation.states import STATES, Columns, MarkovProcess
 from narrows.ship.checks import check_sizes
 from narrows.simulation.inputs import finite_numbers
 
@@ -66,6 +66,8 @@ class Sensor(Aliased):
 
     def __post_init__(self) -> None:
         check_sizes(self, ("noise", "period"), ("noise", "period", "delay", "bias"))
+        if self.state and self.state not in STATES:
+            raise InputError(f"{type(self).__name__}: unknown state {self.state!r}{did_you_mean(self.state, STATES)}")
 
     @cached_property
     def fields(self) -> tuple[str, ...]:
