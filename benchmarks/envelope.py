@@ -13,9 +13,9 @@ from scipy.optimize import root
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
 from narrows.model.tables import table_named
-from narrows.safety.pilots import trials
 from narrows.safety.request import Disturbance
 from narrows.safety.settings import STEPS_A_LENGTH, TRIAL_LENGTHS
+from narrows.safety.trials import trials
 from narrows.waterway import Centreline, Waterway
 from narrows.waterway.banks import Bank
 

@@ -11,7 +11,7 @@ import pandas as pd
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.captive.columns import BANKS, WALL
+from narrows.captive.layouts import BANKS, WALL
 from narrows.captive.measured import measured_files
 from narrows.model.water import limits_left
 from narrows.quantities.names import evaluate

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from _extension.markdown import table
-from narrows.captive.columns import LAYOUTS
+from narrows.captive.layouts import LAYOUTS
 from narrows.estimation.sensors import SENSORS
 from narrows.export import EXPORTERS
 from narrows.logbook.checking.check_log import RECORD_CHECKS

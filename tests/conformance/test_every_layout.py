@@ -1,4 +1,4 @@
-"""Every layout of ``captive/columns.py``: its sample is its own and no other's, and becomes tests in SI."""
+"""Every layout of ``captive/layouts.py``: its sample is its own and no other's, and becomes tests in SI."""
 
 import math
 from pathlib import Path
@@ -9,8 +9,9 @@ import pandas as pd
 import pytest
 
 import narrows as nw
-from narrows.captive import columns, measured
-from narrows.captive.columns import COLUMNS, LAYOUTS, Dtc, Layout, translated
+from narrows.captive import layouts, measured
+from narrows.captive.columns import COLUMNS
+from narrows.captive.layouts import LAYOUTS, Dtc, Layout, translated
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of
@@ -49,7 +50,7 @@ every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda own: own.__
 
 
 def test_no_layout_is_forgotten() -> None:
-    own = (one for one in vars(columns).values() if isinstance(one, type) and hasattr(one, "translated"))
+    own = (one for one in vars(layouts).values() if isinstance(one, type) and hasattr(one, "translated"))
     assert {*own} - {Layout} == {*LAYOUTS}
     assert SAMPLES.keys() == {layout.__name__ for layout in LAYOUTS}, "give each a sample"
 

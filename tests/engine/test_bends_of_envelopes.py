@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.safety.pilots import trials
 from narrows.safety.request import Bend
+from narrows.safety.trials import trials
 from narrows.waterway import Bank, Centreline, Waterway
 
 pytestmark = pytest.mark.usefixtures("one_tuning")

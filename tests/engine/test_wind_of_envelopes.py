@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.safety.pilots import trials
+from narrows.safety.trials import trials
 
 pytestmark = pytest.mark.usefixtures("one_tuning")
 

@@ -17,8 +17,8 @@ from narrows.model.data_range import DataRange
 from narrows.model.tables import table_named
 from narrows.safety.envelope import share_interval
 from narrows.safety.headline import crossing, largest_block, runs
-from narrows.safety.pilots import trials
 from narrows.safety.request import Disturbance, default_speeds, keel_at
+from narrows.safety.trials import trials
 from narrows.simulation.ship import SimulatedShip
 from pictures import assert_readable
 

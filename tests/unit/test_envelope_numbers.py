@@ -21,10 +21,8 @@ from narrows.safety.envelope import (
 from narrows.safety.pilots import (
     PILOTS,
     BestEstimateCourses,
-    DeviationRecorder,
     Helmsman,
     Pilot,
-    _numbers,
     regulator_of,
     whole_degrees,
 )
@@ -37,6 +35,7 @@ from narrows.safety.request import (
     envelope_request,
     keel_at,
 )
+from narrows.safety.trials import DeviationRecorder, _numbers
 
 DEGREE = math.pi / 180
 

@@ -24,8 +24,9 @@ from narrows.identification.fitting import bundled_model
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
-from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, trials, whole_degrees
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, whole_degrees
 from narrows.safety.request import Disturbance, envelope_request, keel_at
+from narrows.safety.trials import trials
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
 

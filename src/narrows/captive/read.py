@@ -16,8 +16,8 @@ import pandas as pd
 from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, near_miss, path_of
 from narrows.base.progress import stage
-from narrows.captive import check, settings, tests
-from narrows.captive.columns import COLUMNS, LABELS, Headers, begun, columns_with, renamed, translated
+from narrows.captive import check, layouts, settings, tests
+from narrows.captive.columns import COLUMNS, LABELS, Headers, begun, columns_with, renamed
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts, selection
 from narrows.model.sections import Source
 from narrows.readers import cells
@@ -198,7 +198,7 @@ def clean(
     known = columns_with(actuators)
     raw, of_rows = without_words(raw)
     mapped, notes = mapping.applied(raw, table, Vocabulary(known, LABELS)) if mapping else (raw, ())
-    frame, of_layout = translated(mapped, where or "", table)
+    frame, of_layout = layouts.translated(mapped, where or "", table)
     if not mapping:
         frame, of_headers = renamed(frame, known, table)
         of_layout = (*of_layout, *of_headers)

@@ -63,7 +63,8 @@ def _files(table: Path, ship: Any) -> tuple[Path, Any]:
 
 def _drafted(table: Path, ship: Path | None) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
-    from narrows.captive.columns import draft_columns, layout_of
+    from narrows.captive.columns import draft_columns
+    from narrows.captive.layouts import layout_of
     from narrows.readers.frames import read_frame
     from narrows.readers.mapping import read_mapping
 

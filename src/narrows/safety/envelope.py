@@ -13,9 +13,10 @@ from narrows.control.steady_course import check_rudder
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.channel_rules import BANKS
-from narrows.safety.pilots import PILOTS, Pilot, trials
+from narrows.safety.pilots import PILOTS, Pilot
 from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
 from narrows.safety.result import MEDIAN, SafeEnvelope, data_coverage, with_caveats
+from narrows.safety.trials import trials
 from narrows.simulation.inputs import check_workers, finite_numbers
 
 
