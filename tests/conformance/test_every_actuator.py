@@ -11,7 +11,7 @@ import narrows as nw
 from narrows.model import sections as model_files
 from narrows.quantities.names import PARTICULARS, Dimension, dimension_of
 from narrows.ship import actuators, ship_file
-from narrows.ship.actuators import OTHER_SECTIONS, STANDARD, Actuator, Part, with_standard
+from narrows.ship.actuators import MODEL_SECTIONS, SHIP_SECTIONS, STANDARD, Actuator, Part, number_in, with_standard
 
 every_actuator = pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
 LIMIT, RATE, STEP = 0.3, 0.1, 0.5
@@ -30,22 +30,69 @@ def test_no_actuator_and_no_section_is_forgotten() -> None:
 
 
 def test_sections_of_files_that_are_of_no_actuator_cannot_be_one() -> None:
-    assert {*ship_file.NEEDED, *model_files.REQUIRED} <= {*OTHER_SECTIONS}
-    for section in OTHER_SECTIONS:
+    other = {*SHIP_SECTIONS, *MODEL_SECTIONS}
+    assert {*ship_file.NEEDED, *model_files.REQUIRED} <= other
+    for section in ("", *other):
         own = type("Own", (Part,), {"SECTION": section, "POSITION": "flap"})
-        with pytest.raises(nw.InputError, match=rf"section \[{section}\] is one of every file"):
+        with pytest.raises(nw.InputError, match=rf"section \[{section}\] has another meaning in ship and model files"):
             Actuator("flap", "rad", "angle of the flap", parts=(own,))
 
 
-@pytest.mark.parametrize("actuator", STANDARD, ids=lambda own: own.name)
+@every_actuator
 def test_another_of_its_name_or_section_is_refused(actuator: Actuator) -> None:
     assert with_standard([actuator]) == STANDARD
     with pytest.raises(nw.InputError, match=f"two actuators are called '{actuator.name}'; rename one"):
         nw.Term("b_own", "b", lambda u: u, nw.Dimension(), actuator=replace(actuator, meaning="another"))
     section = actuator.parts[0].SECTION
-    part = dataclass(frozen=True)(type("Own", (Part,), {"SECTION": section, "POSITION": "flap"}))
+    flap = Actuator("flap", "1", "angle of the flap", parts=(section_of("flap", section),))
     with pytest.raises(nw.InputError, match=f"two sections are called '{section}'; rename one"):
-        with_standard([Actuator("flap", "1", "angle of the flap", parts=(part,))])
+        with_standard([flap])
+
+
+def section_of(actuator: str, section: str) -> type[Part]:
+    """A section with a size and a limit."""
+
+    @dataclass(frozen=True)
+    class Own(Part):
+        SECTION: ClassVar[str] = section
+        POSITION: ClassVar[str] = actuator
+        size: float = number_in("m", "size", 0.5)
+        limit: float = number_in("1", "largest position", 0.5)
+
+    return Own
+
+
+def term_of(actuator: Actuator) -> nw.Term:
+    law = eval(f"lambda {actuator.name}: {actuator.name}")
+    return nw.Term(f"b_{actuator.name}", "b", law, nw.Dimension(1, 1, -2), actuator=actuator)
+
+
+def test_one_number_in_two_sections_is_refused() -> None:
+    """The limit is that of the position: two sections cannot have one each."""
+    parts = section_of("flap", "flap"), section_of("flap", "gear")
+    with pytest.raises(nw.InputError, match="two numbers of flap are called 'flap_limit'; rename one"):
+        Actuator("flap", "1", "angle of the flap", parts=parts)
+
+
+def test_two_actuators_of_one_section_are_refused_in_a_table() -> None:
+    """Before a model of it is saved, which could not be read again."""
+    terms = [term_of(Actuator(name, "1", "position", parts=(section_of(name, "gear"),))) for name in ("flap", "fin")]
+    with pytest.raises(nw.InputError, match="two sections are called 'gear'; rename one"):
+        nw.PAPER.with_terms("own", sway=terms)
+
+
+def test_a_section_may_have_the_name_of_a_property(dtc: nw.Model, tmp_path: Path) -> None:
+    """And is a section of its own class, which another may derive from."""
+    base = section_of("flap", "gear")
+    own = type("Stern", (base,), {"SECTION": "parts", "POSITION": "fin"})
+    terms = [term_of(Actuator(part.POSITION, "1", "position", parts=(part,))) for part in (base, own)]
+    table = nw.PAPER.with_terms("own", sway=terms)
+    configuration = dtc.configuration.with_parts([base(), own(size=2.0)])
+    model = nw.Model(configuration, table, {**dtc.coefficients, "b_flap": 1.0, "b_fin": 1.0})
+    nw.save_model(model, tmp_path / "own.toml")
+    again = nw.load_model(tmp_path / "own.toml", terms=table).configuration
+    assert (again.parts["gear"].size, again.parts["parts"].size) == (0.5, 2.0)
+    assert again.values()["fin_limit"] == 0.5
 
 
 def test_an_angle_is_in_radians() -> None:

@@ -91,8 +91,11 @@ def test_it_says_where_it_is_from_and_where_it_holds(form: nw.BankForm) -> None:
 
 def test_a_name_that_a_table_cannot_carry_is_refused() -> None:
     own = nw.FORMS["delta"]
+    assert replace(own, name="keel-gap2").name == "keel-gap2"
     for name in ("squared+gap", "squared gap", "", "at@speed", "helm", "open_water"):
         with pytest.raises(nw.InputError, match="cannot be called"):
             replace(own, name=name)
     with pytest.raises(nw.InputError, match="form own: b_vv is a coefficient of paper already; rename yours"):
         nw.with_bank(nw.PAPER, replace(own, name="own", parameters={"vv": own.parameters["bank"]}))
+    with pytest.raises(nw.InputError, match="there is a form 'delta' of the bank term already; rename yours"):
+        nw.with_bank(nw.PAPER, replace(nw.FORMS["tuck"], name="delta"))

@@ -17,8 +17,10 @@ from narrows.ship.actuators import STANDARD
 from tables import frame_of
 
 MEASURED = Path(measured.__file__).parent
-still = np.zeros(400)
-DTC = (np.arange(1, 401) / 20, np.arange(1, 401) / 50, still, still, 2 + still, -30 + still, 4 + still, -5 + still)
+T, ONES = np.arange(1, 401) / 20, np.ones(400)
+DTC = (T, 0.4 * T, 0.1 * T, 2 + T, 2 * ONES, -30 * ONES, 4 * ONES, -5 * ONES)
+
+TURNED = math.radians(2.05)  # Heading of the first row
 
 
 class Sample(NamedTuple):
@@ -29,15 +31,18 @@ class Sample(NamedTuple):
 
 
 SAMPLES = {
-    # 20 s of a steady speed along the tank
+    # 20 s of a steady speed along and across the tank, turning by 1 degree a second
     "Dtc": Sample(
         pd.DataFrame(dict(zip(Dtc.HEADERS, DTC, strict=True))),
-        {"u": 0.4, "v": 0.0, "r": 0.0, "X": -30.0, "Y": 4.0, "N": -5.0, "heave": 0.002},
+        {"u": 0.4 * math.cos(TURNED) + 0.1 * math.sin(TURNED), "v": 0.1 * math.cos(TURNED) - 0.4 * math.sin(TURNED),
+         "r": math.pi / 180, "sin_psi": math.sin(TURNED), "X": -30.0, "Y": 4.0, "N": -5.0, "heave": 0.002},
     ),
+    # The last type, harmonic yaw, first
     "Fhr": Sample(
-        pd.read_csv(MEASURED / "kcs_pmm_shallow.csv").groupby("type").head(1),
-        {"y": 0.2, "u": 0.62, "v": 0.0, "r": 0.0, "vdot": -0.0031, "X": 0.0201, "Y": 2.7625, "N": -1.88,
-         "heave": 0.0030767, "revolutions": 331.0206 / 60},
+        pd.read_csv(MEASURED / "kcs_pmm_shallow.csv").groupby("type").head(1).iloc[::-1],
+        {"y": -0.0006, "sin_psi": -math.sin(math.pi / 12), "u": 0.248, "v": 0.0, "r": 0.0035 * math.pi / 180,
+         "rdot": 0.3491 * math.pi / 180, "X": -0.5042, "Y": -0.1645, "N": -5.7464, "heave": 0.0003652,
+         "revolutions": 110.2924 / 60},
     ),
     # Bank V rises by 1/8 from 0.53 m: 0.36 m deep it ends at 3.41 m, as large as a wall at 0.53 + 2.88 / 2 = 1.97 m.
     "Lataire": Sample(

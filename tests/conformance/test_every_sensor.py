@@ -40,9 +40,11 @@ def test_no_sensor_is_forgotten() -> None:
 
 
 def test_a_state_that_no_ship_has_is_refused() -> None:
-    own = type("Sway", (nw.estimation.Gyro,), {"state": "sway"})
-    with pytest.raises(nw.InputError, match=r"Sway: unknown state 'sway'; known: .*psi, r, "):
-        own(0.1)
+    own = type("Sway", (Gyro,), {"state": "sway"})
+    with pytest.raises(nw.InputError, match=r"sensor tested reads an unknown state 'sway'; known: .*psi, r, "):
+        estimator(own(0.1, name="tested"))
+    error = type("Heeling", (Gyro,), {"state": "other_bias"})  # An error that another sensor declares is a state too
+    assert estimator(Gyro(0.1, name="other", bias=0.1), error(0.1, name="tested"))
 
 
 @every_sensor

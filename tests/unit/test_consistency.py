@@ -110,7 +110,7 @@ def test_every_argument_changes_the_answer(name: str) -> None:
     assert first.std.tobytes() != other.std.tobytes() or first.error.tobytes() != other.error.tobytes()
 
 
-def test_twins_sail_in_the_middle_at_the_speed_of_a_voyage_unless_told() -> None:
+def test_twins_sail_in_the_middle_at_the_speed_of_a_voyage_unless_given() -> None:
     short = {"twins": 1, "duration": 2.0}
     usual = consistency(steered(), ALL, **short)
     given = consistency(steered(), ALL, 0.0, nw.simulate(steered(), y=0.4, duration=1.0).u[0], **short)

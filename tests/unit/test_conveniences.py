@@ -3,6 +3,7 @@
 import inspect
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -231,26 +232,28 @@ def test_a_report_of_one_fit(tmp_path) -> None:
 
 def test_what_a_report_shows_besides(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two fits of one ship in one table of values; the title; fits of another ship are not compared."""
-    fit, written = SHOWN["fit"], []
-    monkeypatch.setattr(nw.report, "write_report", lambda *told: written.append(told))
+    fit, other, written = SHOWN["fit"], nw.identify(short_twin(1)), []
+    monkeypatch.setattr(nw.report, "write_report", lambda *given: written.append(given))
     fit.report("a.html", "of the twin")
     assert written == [({"": fit}, "a.html", "of the twin")]
-    table = fit_page._comparison({"0.4 m": fit, "0.5 m": fit})
+    elsewhere = SimpleNamespace(tests=SimpleNamespace(configuration=SimpleNamespace(ship="another")))
+    table = fit_page._comparison({"elsewhere": elsewhere, "0.4 m": fit, "0.5 m": other})  # type: ignore[dict-item]
     assert table is not None
     assert table["labels"] == ["0.4 m", "0.5 m"]
     name, values, words = table["rows"][list(fit.coefficients).index("b_vv")]
     assert name == "b_vv"
-    assert values[0] == values[1] == with_error(fit.coefficients["b_vv"], fit.std["b_vv"])
-    assert words == [fit.verdicts["b_vv"].status.replace(" ", "-")] * 2
-    assert fit_page._comparison({"0.4 m": fit}) is None
+    assert values == [with_error(own.coefficients["b_vv"], own.std["b_vv"]) for own in (fit, other)]
+    assert values[0] != values[1]
+    assert words == [own.verdicts["b_vv"].status.replace(" ", "-") for own in (fit, other)]
+    assert fit_page._comparison({"elsewhere": elsewhere, "0.4 m": fit}) is None  # type: ignore[dict-item]
 
 
 def test_a_level_of_confidence_that_is_the_own_one_is_taken() -> None:
-    told = {"model": DTC, "y": [0.0], "u": [1.0]}
+    given = {"model": DTC, "y": [0.0], "u": [1.0]}
     with pytest.raises(nw.InputError, match="no terms of a rudder"):
-        nw.safe_envelope(**told, confidence=0.95)
+        nw.safe_envelope(**given, confidence=0.95)
     with pytest.raises(nw.InputError, match=r"has no argument 'confidence'; write .*95 % probability"):
-        nw.safe_envelope(**told, confidence=0.9)
+        nw.safe_envelope(**given, confidence=0.9)
 
 
 def test_the_kind_of_an_export_may_come_first(tmp_path) -> None:
@@ -265,8 +268,8 @@ def test_a_probability_is_a_share_of_the_samples() -> None:
     assert float(fleet.probability()) == grounded.mean()
     assert float(fleet.probability("afloat")) == 1 - grounded.mean()
     certain = replace(DTC, covariance=np.zeros((len(DTC.terms), len(DTC.terms))))
-    drawn = nw.ensemble(certain, y=[0.0, 2.0], u=1.0, duration=5.0, samples=3, seed=1)
-    np.testing.assert_array_equal(drawn.probability(), (drawn.outcome == "grounded").mean("sample"))
+    drawn = nw.ensemble(certain, y=[0.0, 2.0], psi=0.3, u=1.0, duration=5.0, samples=3, seed=1)
+    np.testing.assert_array_equal(drawn.probability(), [0.0, 1.0])
 
 
 def test_tests_are_a_collection_and_a_table() -> None:

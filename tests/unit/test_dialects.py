@@ -171,13 +171,29 @@ def test_what_cannot_be_read_says_what_was_seen(case: str, ship_file: Path, tmp_
     assert "is missing" not in str(error.value)
 
 
-def test_a_quote_far_down_that_is_never_closed_is_placed(ship_file: Path, tmp_path: Path) -> None:
-    """Its row in the file, also where blocks are read one by one."""
-    rows = [f"{i},1.0,2.0\n" for i in range(9000)]
-    path = put(tmp_path, "".join(["t,u,v\n", *rows, '9001,"2,3\n']))
-    for read in (nw.read_captive, lambda *told: list(nw.stream_captive(*told).blocks())):
-        with pytest.raises(nw.InputError, match=r"t\.csv: row 9002 opens a quote that no row closes; close it"):
+@pytest.mark.parametrize("block", [32_000, 40])
+def test_a_quote_that_is_never_closed_is_placed(
+    block: int, ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the file, after a comment, an empty line and a cell over two lines, whole or in blocks."""
+    monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", block)
+    rows = [f"{i},1.0,2.0,no\n" for i in range(100)]
+    path = put(tmp_path, "".join(["t,u,v,remark\n", *rows, '# 5"\n', "\n", '100,1,2,"a\nb"\n', '101,"2,3,no\n']))
+    for read in (nw.read_captive, lambda *given: list(nw.stream_captive(*given).blocks())):
+        with pytest.raises(nw.InputError, match=r"t\.csv: row 106 opens a quote that no row closes; close it"):
             read(path, ship_file)
+
+
+@pytest.mark.parametrize("block", [32_000, 40, 1])
+def test_a_cell_in_quotes_goes_on_in_the_next_block(
+    block: int, ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", block)
+    rows = [f"{i},1.0,{2 + i}\n" for i in range(100)]
+    rows[39] = '39,1.0,"\n41"\n'
+    path = put(tmp_path, "".join(["t,u,v\n", *rows]))
+    blocks = nw.stream_captive(path, ship_file).blocks()
+    np.testing.assert_array_equal(np.concatenate([own.values["v"] for own in blocks]), np.arange(2.0, 102.0))
 
 
 def test_a_line_of_words_above_others_is_no_header(ship_file: Path, tmp_path: Path) -> None:

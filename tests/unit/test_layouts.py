@@ -60,6 +60,14 @@ def test_fhr_text_in_the_rudder_is_named(raw: pd.DataFrame, tmp_path: Path) -> N
         nw.read_captive(written(spoilt, tmp_path / "t.csv"), KCS_SHIP)
 
 
+def test_lataire_tests_without_a_propeller_are_read(tmp_path: Path) -> None:
+    raw = pd.read_csv(measured_files("lataire2009")[0])
+    towed = written(raw.drop(columns="propeller rate"), tmp_path / "towed.csv")
+    assert "revolutions" not in nw.read_captive(towed, KCS_SHIP).columns
+    astern = written(raw.assign(**{"propeller rate": -300.0}), tmp_path / "astern.csv")
+    np.testing.assert_allclose(nw.read_captive(astern, KCS_SHIP).columns["revolutions"], -5.0)
+
+
 def test_lataire_columns_are_those_of_the_table() -> None:
     raw = pd.read_csv(measured_files("lataire2009")[0])
     assert list(raw.psi[raw.psi.abs() >= 90]) == [180.0]
@@ -71,6 +79,8 @@ def test_lataire_columns_are_those_of_the_table() -> None:
         ("draft", "draught"), ("depth", "water depth"),
     ):  # fmt: skip
         np.testing.assert_allclose(tests.columns[name], ahead[header], rtol=1e-12)
+    expected = np.array([0, 538, 0, 540, 0, 719, 0, 359, 539]) / 60  # -1 stands for stopped
+    np.testing.assert_allclose(tests.columns["revolutions"], expected)
     y = ahead["lateral position"].to_numpy()
     to_port, to_starboard = (
         tests.columns["width"] / 2 + tests.columns["y"],

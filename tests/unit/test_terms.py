@@ -121,7 +121,7 @@ def test_every_row_says_what_it_is_and_where_from(term: nw.Term) -> None:
 @pytest.mark.parametrize(
     ("make", "word"),
     [
-        (lambda: nw.TermTable("t", nw.PAPER.surge, nw.PAPER.surge, ()), "two terms are called 'a_udot'"),
+        (lambda: nw.TermTable("t", nw.PAPER.surge, nw.PAPER.surge, ()), "two terms of table t are called 'a_udot'"),
         (lambda: nw.TermTable("t", nw.PAPER.surge, (), (), (("a_u", "a_x"),)), "a tie names 'a_x'"),
         (lambda: nw.TermTable("t", (), (), ()), "no terms"),
         (lambda: nw.TermTable("t", (nw.Term("X", "X", turning_ahead, nw.Dimension()),), (), ()), "'X' is a force"),

@@ -147,7 +147,9 @@ class Lataire(Layout):
         ahead = frame[np.abs(numbers(frame, "psi", table)) < 90].rename(columns=cls.RENAMED)
         fore, aft = (numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
         ahead["heave [mm]"] = (fore + aft) / 2
-        ahead["revolutions [rpm]"] = np.maximum(numbers(ahead, "propeller rate", table), 0)  # -1: stopped
+        if "propeller rate" in ahead:
+            rate = numbers(ahead, "propeller rate", table)
+            ahead["revolutions [rpm]"] = np.where(rate == -1, 0.0, rate)  # -1 stands for stopped
         ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
         ahead["condition"] = "banks"
         for name in ahead["bank"]:

@@ -66,8 +66,6 @@ class Sensor(Aliased):
 
     def __post_init__(self) -> None:
         check_sizes(self, ("noise", "period"), ("noise", "period", "delay", "bias"))
-        if self.state and self.state not in STATES:
-            raise InputError(f"{type(self).__name__}: unknown state {self.state!r}{did_you_mean(self.state, STATES)}")
 
     @cached_property
     def fields(self) -> tuple[str, ...]:
@@ -243,8 +241,9 @@ class CourseOverGround(Antenna):
 
 
 # Sensors of the estimate by the default name of their readings. The rudder indicator is an input of the model instead.
-_KINDS: list[type[Sensor]] = [kind for name in __all__ if issubclass(kind := globals()[name], Sensor)]
-SENSORS = by_name("sensors", ((kind.name, kind) for kind in _KINDS if kind.name))
+SENSORS: dict[str, type[Sensor]] = by_name(
+    "sensors", [(kind.name, kind) for name in __all__ if issubclass(kind := globals()[name], Sensor) and kind.name]
+)
 
 
 def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
@@ -268,6 +267,12 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
     measuring = {name: one for name, one in found.items() if one is not indicator}
     if not measuring:
         raise InputError("an estimator needs sensors; give Gnss, Gyro and Log at least")
+    states = {*STATES, *(name for sensor in measuring.values() for name in error_states(sensor))}
+    for name, sensor in measuring.items():
+        if type(sensor).measured is Sensor.measured and sensor.state not in states:
+            raise InputError(
+                f"sensor {name} reads an unknown state {sensor.state!r}{did_you_mean(sensor.state, states)}"
+            )
     return measuring, indicator
 
 

@@ -133,8 +133,10 @@ _ROWS = (
 )  # fmt: skip
 # Formats of ``narrows export``, by name; those of a whole ship by suffix, which the bank's force alone shares.
 EXPORTERS = by_name("exporters", ((own.kind, own) for own in _ROWS))
-_WHOLE = (own for own in _ROWS if own.kind != "bank-force")
-BY_SUFFIX = by_name("exporters", ((suffix, own) for own in _WHOLE for suffix in own.suffixes))
+BY_SUFFIX = by_name(
+    "suffixes of exporters",
+    ((suffix, own) for own in _ROWS if own.kind != "bank-force" for suffix in own.suffixes),
+)
 # Methods ``to_c`` ... of a model.
 LANGUAGES = {kind.replace("-", "_"): own for kind, own in EXPORTERS.items() if kind != "latex"}
 

@@ -18,7 +18,7 @@ from narrows.base.named_values import Coefficients
 from narrows.model.data_range import DataRange, Range
 from narrows.model.tables import table_named
 from narrows.model.term import TermTable
-from narrows.ship.actuators import OTHER_SECTIONS
+from narrows.ship.actuators import MODEL_SECTIONS
 from narrows.ship.particulars import given_values
 from narrows.ship.ship_file import (
     actuator_sections,
@@ -90,7 +90,7 @@ def _check_sections(tables: Mapping[str, Any], parts: Iterable[str]) -> None:
             "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
             "ship"
         )
-    known = {*OTHER_SECTIONS, *parts} - {"depths"}
+    known = {*MODEL_SECTIONS, *parts}
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")

@@ -74,7 +74,7 @@ class BankForm(BaseSummary):
     status: str  #: ``published``, ``form of another, coefficients refitted`` or ``new in narrows``
 
     def __post_init__(self) -> None:
-        if not re.fullmatch(r"\w+", self.name) or self.name in (*ADDED, OPEN_WATER):
+        if not re.fullmatch(r"[^\s+@]+", self.name) or self.name in (*ADDED, OPEN_WATER):
             raise InputError(f"a form of the bank term cannot be called {self.name!r}; give it a plain word of its own")
 
     def summary(self) -> str:
@@ -130,7 +130,7 @@ FORMS = by_name(
 def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTable:
     """Return a table with another form of its bank term.
 
-    Raises an InputError if there is no such form, or it gives a coefficient the name of another term.
+    Raises an InputError if there is no such form, or its name or that of a coefficient is another's.
 
     Parameters
     ----------
@@ -150,6 +150,8 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
         if form not in FORMS:
             raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
         form = FORMS[form]
+    if FORMS.get(form.name, form) != form:
+        raise InputError(f"there is a form {form.name!r} of the bank term already; rename yours")
     kept = without(table, name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
     _, of_sway, of_yaw = table.letters
     sway, yaw = _bank_terms(form, of_sway, suction), _bank_terms(form, of_yaw, cushion)

@@ -10,6 +10,7 @@ from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from narrows.base.errors import InputError, check_choice, did_you_mean, shown
+from narrows.base.named_values import by_name
 from narrows.base.results import BaseSummary
 from narrows.physics import squat_and_depth
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Dimension, Number, Quantity, argument_names
@@ -183,9 +184,8 @@ class TermTable(BaseSummary):
         for name in names:
             if name in FORCES:
                 raise InputError(f"table {self.name}: {name!r} is a force; call the coefficient otherwise")
-        for kind, known in (("terms", names), ("actuators", [actuator.name for actuator in self.actuators])):
-            if twice := [name for name in known if known.count(name) > 1]:
-                raise InputError(f"table {self.name}: two {kind} are called {twice[0]!r}; rename one")
+        by_name(f"terms of table {self.name}", ((name, name) for name in names))
+        with_standard(self.actuators)
         for name in (name for tie in self.ties for name in tie):
             if name not in names:
                 raise InputError(f"table {self.name}: a tie names {name!r}{did_you_mean(name, names)}")

@@ -9,7 +9,7 @@ from contextlib import suppress
 from io import BytesIO
 from itertools import compress, islice, takewhile, zip_longest
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -55,7 +55,7 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             file, encoding = BytesIO(LINE.sub("\n", whole).encode()), "utf-8"
         for _ in range(first - 1):
             file.readline()
-        while text := file.read() if rows is None else b"".join(islice(file, rows)):
+        while text := _block(file, rows):
             numbers = np.arange(first, first + text.count(b"\n") + (not text.endswith(b"\n")))
             first += len(numbers)
             if re.match(SKIPPED, text) or re.search(b"\n" + SKIPPED, text):
@@ -67,12 +67,24 @@ def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             try:
                 frame = pd.read_csv(BytesIO(text), encoding=encoding, **options)
             except pd.errors.ParserError as error:
-                if line := re.search(r"fields in line (\d+)", str(error)):  # Counted within this text
-                    raise InputError(MORE_CELLS.format(numbers[int(line[1]) - 1])) from None
-                if line := re.search(r"EOF inside string starting at row (\d+)", str(error)):  # From 0
-                    raise InputError(OPEN_QUOTE.format(numbers[int(line[1])])) from None
+                more = re.search(r"fields in line (\d+)", str(error))  # Counted within this text
+                if more and int(more[1]) <= len(numbers):
+                    raise InputError(MORE_CELLS.format(numbers[int(more[1]) - 1])) from None
+                if "EOF inside string" in str(error):  # It begins at the last quote
+                    raise InputError(OPEN_QUOTE.format(numbers[text[: text.rindex(b'"')].count(b"\n")])) from None
                 raise
             yield _finished(frame, dialect, numbers)
+
+
+def _block(file: IO[bytes], rows: int | None) -> bytes:
+    """Return so many lines or all, and further ones if a cell in quotes goes on there."""
+    text, more = file.read() if rows is None else b"".join(islice(file, rows)), list[bytes]()
+    if text.count(b'"') % 2:
+        for line in islice(file, rows):
+            more.append(line)
+            if line.count(b'"') % 2:
+                break
+    return b"".join([text, *more])
 
 
 def _finished(frame: pd.DataFrame, dialect: Dialect, lines: np.ndarray) -> pd.DataFrame:

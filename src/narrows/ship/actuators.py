@@ -13,10 +13,9 @@ from narrows.base.results import Aliased
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Dimension, Number, Quantity, dimension_of
 from narrows.ship.checks import check_fields
 
-# Sections of ship files and model files that are of no actuator.
-OTHER_SECTIONS = (
-    "ship", "canal", "water", "depths", "terms", "coefficients", "covariance", "data_range", "source", "verdicts",
-)  # fmt: skip
+# Sections of ship files and of model files that belong to no actuator.
+SHIP_SECTIONS = ("ship", "canal", "water", "depths")
+MODEL_SECTIONS = ("terms", "coefficients", "covariance", "data_range", "source", "verdicts")
 
 
 def number_in(unit: str, meaning: str, default: Any = MISSING) -> Any:
@@ -28,7 +27,7 @@ def number_in(unit: str, meaning: str, default: Any = MISSING) -> Any:
 class Part(Aliased):
     """A section of a ship file for an actuator; subclasses are frozen dataclasses of numbers (``number_in``)."""
 
-    # Name of the section, and prefix of the names of its numbers.
+    # Name of the section, and prefix of the names of its numbers but ``limit`` and ``rate``.
     SECTION: ClassVar[str] = ""
     # Name of the actuator's position; a number of that name is its position unless it is moved.
     POSITION: ClassVar[str] = ""
@@ -209,10 +208,11 @@ class Actuator:
             section = f"actuator {self.name}: its section [{part.SECTION}]"
             if part.POSITION != self.name:
                 raise InputError(f"{section} is of {part.POSITION!r}; mend it")
-            if part.SECTION in OTHER_SECTIONS:
-                raise InputError(f"{section} is one of every file; call it otherwise")
-            if "__dataclass_fields__" not in vars(part):
-                raise InputError(f"{section} has no numbers; make {part.__name__} a frozen dataclass")
+            if part.SECTION in ("", *SHIP_SECTIONS, *MODEL_SECTIONS):
+                raise InputError(f"{section} has another meaning in ship and model files; call it otherwise")
+            if not part.numbers():
+                raise InputError(f"{section} has no numbers; make {part.__name__} a frozen dataclass with some")
+        by_name(f"numbers of {self.name}", ((p.known_as(number), p) for p in self.parts for number in p.numbers()))
 
     @property
     def controls(self) -> dict[str, Quantity]:

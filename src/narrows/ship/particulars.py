@@ -143,9 +143,9 @@ class Configuration(BaseSummary):
     notes: tuple[str, ...] = field(default=(), compare=False)  #: Values that a file did not give, and what is assumed
 
     def __post_init__(self) -> None:
-        sections = [part.SECTION for part in self.others]
+        sections = [part.SECTION for part in (self.steering, self.propeller, self.rudder, *self.others) if part]
         for name in sections:
-            if sections.count(name) > 1 or getattr(self, name, None):
+            if sections.count(name) > 1:
                 raise InputError(f"[{name}] is given twice; keep one")
         draft, beam = self.ship.draft, self.ship.beam
         check_particulars({"beam": beam, "draft": draft, "width": self.canal.width, "depth": self.canal.depth})

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 
 from narrows.base.aliases import accept_aliases
-from narrows.base.errors import InputError
+from narrows.base.errors import InputError, shown
 from narrows.base.results import BaseSummary, shortened
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
@@ -96,7 +96,7 @@ class ConstantRudder(WithoutMemory):
 
     def __post_init__(self) -> None:
         if not np.isfinite(real_numbers(self.rudder)).all():
-            raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
+            raise InputError(f"a rudder held at {shown(self.rudder)} is no order; give its angle in radians")
 
     def parameters(self) -> Mapping[str, Any]:
         return {"angle": self.rudder}
@@ -167,7 +167,7 @@ class Autopilot(WithoutMemory):
             raise InputError(f"an autopilot has four gains, for y, psi, v and r; these are {len(self.gains)}")
         for number in (self.y, *self.gains, self.rudder, self.psi, self.v):
             if not np.isfinite(real_numbers(number)).all():
-                raise InputError(f"an autopilot with {number} steers nothing; give finite numbers")
+                raise InputError(f"an autopilot with {shown(number)} steers nothing; give finite numbers")
 
     def parameters(self) -> Mapping[str, Any]:
         held = {"held_y": self.y, "held_psi": self.psi, "held_v": self.v, "held_rudder": self.rudder}
@@ -198,7 +198,7 @@ class PID(_Law):
     def __post_init__(self) -> None:
         for name, number in vars(self).items():
             if not np.isfinite(real_numbers(number)).all():
-                raise InputError(f"{name} = {number} of an autopilot is no finite number; give one")
+                raise InputError(f"{name} = {shown(number)} of an autopilot is no finite number; give one")
 
     def parameters(self) -> Mapping[str, Any]:
         return {"by_psi": self.kp, "by_r": self.kd, "by_sum": self.ki, "held_psi": self.psi}
