@@ -230,7 +230,7 @@ def test_a_report_of_one_fit(tmp_path) -> None:
     assert "b_bank" in page
 
 
-def test_what_a_report_shows_besides(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_report_compares_fits_of_one_ship(monkeypatch: pytest.MonkeyPatch) -> None:
     """Two fits of one ship in one table of values; the title; fits of another ship are not compared."""
     fit, other, written = SHOWN["fit"], nw.identify(short_twin(1)), []
     monkeypatch.setattr(nw.report, "write_report", lambda *given: written.append(given))

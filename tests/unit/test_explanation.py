@@ -35,7 +35,7 @@ def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
     assert not found.fitted_on_these
 
 
-def test_a_model_of_another_ship_says_so(found: nw.Explanation) -> None:
+def test_the_summary_names_a_model_of_another_ship(found: nw.Explanation) -> None:
     large = nw.scale_model(found.model, 355.0).model
     said = replace(found, model=large).summary()
     assert f"The model is of {large.ship.in_words}, these tests are of {found.model.ship.in_words}" in said

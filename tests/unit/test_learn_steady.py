@@ -255,7 +255,7 @@ def test_what_is_no_coefficient_and_no_leg_is_refused_in_a_sentence() -> None:
         nw.learn_steady(ship(), legs().head(0))
 
 
-def test_a_search_that_stopped_early_is_said() -> None:
+def test_the_notes_name_a_search_that_stopped_early() -> None:
     fit = learned()
     assert fit.intervals == {name: own.interval for name, own in fit.coefficients.items()}
     problem = LegProblem(coefficient_prior(ship(), "held"), CALM, steady_readings(legs(), CALM))
