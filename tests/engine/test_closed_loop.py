@@ -67,6 +67,18 @@ def test_margins_bring_the_opened_loop_to_instability() -> None:
     assert margins["sensitivity_peak"] == pytest.approx(1 / margins["distance"])
 
 
+def test_an_unstable_loop_has_no_margins_and_is_described() -> None:
+    far = regulator(full_size(), HOLD, SPEED, weights=RegulatorWeights(1e-3))
+    made = closed_loop(full_size(), far, gear=nw.SteeringGear(dead_time=60.0, lag=5.0))
+    assert made.poles()[0].real > 0
+    margins = made.margins()
+    assert margins.pop("sensitivity_peak") == math.inf
+    assert set(margins.values()) == {0.0}
+    assert made.summary() == (
+        "Regulator at y = 50 m and u = 4.5 m/s, an order every 1 s, 60 s of dead time, 5 s of lag"
+    )
+
+
 def test_the_delay_that_it_tells_is_the_one_that_loses_the_ship() -> None:
     """Orders heard exactly so many seconds later, by a list of orders."""
     told = loop().margins()["delay"]

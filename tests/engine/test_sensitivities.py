@@ -278,3 +278,17 @@ class Drifter:
 def test_what_cannot_be_differentiated_is_said(by: tuple[str, ...], told: dict[str, Any], says: str) -> None:
     with pytest.raises(nw.InputError, match=says):
         nw.sensitivities(steered(), by, duration=1.0, dt=0.1, **told)
+
+
+def test_the_answer_names_what_moves_the_voyage_most() -> None:
+    """By one percent of each quantity, at the end, in metres to starboard."""
+    model = paper()
+    found = nw.sensitivities(model, ["b_bank", "c_bank", "b_v"], y=0.3, u=0.8, duration=5.0)
+    moved = {name: 0.01 * model[name] * found.of("y", name)[-1] for name in found.by}
+    largest = max(moved, key=lambda name: abs(moved[name]))
+    assert f"to starboard by: {largest} {moved[largest]:+.3g} m" in found.summary()
+    told = found.to_dict()
+    assert told["at_end"]["y"]["b_bank"] == found.of("y", "b_bank")[-1]
+    assert told["notes"] == list(found.voyage.notes) == list(found.notes)
+    with pytest.raises(nw.InputError, match="no derivative of y by b_r; by: b_bank, c_bank, b_v"):
+        found.of("y", "b_r")

@@ -24,6 +24,27 @@ def test_bank_stiffness(dtc: nw.Model) -> None:
     assert paper.stiffness == pytest.approx(0.120603, abs=5e-7)
 
 
+def test_the_reproduction_gives_its_numbers_beside_the_printed_ones(dtc: nw.Model, twin_fit: nw.Fit) -> None:
+    """Of two readings of contact here, of four in the study."""
+    starts = np.linspace(2.0, 2.6, 7)
+    readings = {
+        contact: nw.ensemble(dtc, y=starts, duration=duration, contact=contact)
+        for contact, duration in (("corners", 120.0), ("midship", 1.0))
+    }
+    paper = Reproduction(dtc, twin_fit, {}, readings)
+    near = readings["corners"]["side"].to_numpy() > 0
+    assert paper.switches["corners"] == starts[np.flatnonzero(~near)[-1] + 1]
+    assert paper.switches["midship"] is None
+    assert f"grounds on the near bank from y(0) = {paper.switches['corners']:.2f} m: corners" in paper.summary()
+    assert "grounds on the near bank nowhere: midship" in paper.summary()
+    told = paper.to_dict()
+    assert [row["printed"] for row in told["coefficients"]] == list(dtc.coefficients.values())
+    assert paper.to_dataframe().loc["b_bank", "value"] == twin_fit.coefficients["b_bank"]
+    assert told["eigenvalues"]["without"][0][0] == pytest.approx(0.163, abs=0.001)
+    assert sum(row["ours"] for row in told["shapley"] if row["name"].startswith("b_")) == pytest.approx(1.0, abs=0.05)
+    assert told["notes"] == paper.notes
+
+
 def switch(model: nw.Model, **options) -> float:
     """The start beyond which it grounds on the near bank."""
     y = np.linspace(2.0, 2.6, 121)

@@ -24,6 +24,25 @@ def good(table: pd.DataFrame, tmp_path: Path) -> Path:
     return written(table, tmp_path / "good.csv")
 
 
+def test_tables_of_verbs_are_printed(cli, good: Path, ship_file: Path) -> None:
+    """What is in JSON stands in the terminal too."""
+    model = nw.published("estimated_kcs")
+    verbs = "ships", "squat estimated_kcs --speed 3:5:2", "linearize estimated_kcs --speed 4"
+    printed = {verb: cli(*verb.split()) for verb in verbs}
+    assert {code for code, _, _ in printed.values()} == {0}
+    ships, squat, linear = (" ".join(out.split()) for _, out, _ in printed.values())
+    assert all(name in ships for name in ("estimated_kcs", "yasukawa2015_kvlcc2"))
+    for u, sinkage in zip((3.0, 5.0), nw.squat(model, [3.0, 5.0]).to_dataframe()["sinkage"], strict=True):
+        assert f"{u:.2f} {u * 3600 / 1852:.1f} {sinkage:.2f}" in squat
+    assert f"{nw.control.linearize(model, u=4.0).modes()['growth'].iloc[0]:.4g}" in linear
+    code, out, _ = cli("--verbose", "identify", good, "--ship", ship_file)
+    assert code == 0
+    words = " ".join(out.split())
+    assert "Not determined by these tests" in words
+    shares = nw.identify(nw.read_captive(good, ship_file)).shapley()
+    assert all(f"{name} {share:+.3f}" in words for part in shares.values() for name, share in part.items())
+
+
 def assert_is_model_of(fit: nw.Fit, file: Path) -> None:
     model = nw.load_model(file)
     assert dict(model.coefficients) == dict(fit.coefficients)

@@ -30,6 +30,7 @@ from narrows.estimation.consistency import Twins, _positions, _readings
 from narrows.estimation.sensors import ErrorProcess, draw_reading, error_states
 from narrows.estimation.ship_filter import MEMORIES, sigma_point_weights
 from narrows.estimation.states import Estimate, EstimatedTrack, Gaussian, MarkovProcess, StateNames
+from pictures import assert_readable
 
 
 def drift(sums: np.ndarray, innovation: float) -> np.ndarray:
@@ -296,6 +297,15 @@ def test_a_track_counts_and_tabulates() -> None:
     np.testing.assert_array_equal(data["covariance"], covariance)
     np.testing.assert_array_equal(data["gnss_refused"], [1, 0, 1])
     assert list(track.to_dataframe()["y"]) == [0.0, 2.0, 4.0]
+    figure = track.plot()
+    assert_readable(figure)
+    offset, heading = figure.axes
+    assert [axes.get_ylabel() for axes in figure.axes] == ["y [m]", "psi [deg]"]
+    np.testing.assert_allclose(offset.lines[0].get_ydata(), [0.0, 2.0, 4.0])
+    np.testing.assert_allclose(heading.lines[0].get_ydata(), np.degrees([1.0, 3.0, 5.0]))
+    band = offset.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == pytest.approx((0.0 - 1.96 * 0.1, 4.0 + 1.96 * 0.5), abs=1e-4)
+    assert {"95 % band", "gnss refused", "gnss suspected"} <= {own.get_label() for own in offset.collections}
 
 
 # Twins

@@ -90,7 +90,13 @@ def test_more_transits_tell_more() -> None:
     for name in found.targets:
         first, later, last = found.std[name]
         assert found.prior_std[name] > first > later > last
+    assert found.summary().startswith("Standard errors after 1 and ")
+    assert f"c_bank from {found.prior_std['c_bank']:.2g} to {found.std['c_bank'][0]:.2g}, " in found.summary()
     assert "on simulated twins only" in found.summary()
+    rows = found.to_dict()["after"]
+    assert [row["transits"] for row in rows] == list(found.transits)
+    assert [row["std c_bank"] for row in rows] == list(found.std["c_bank"])
+    assert any("each transit has its own wind and zeros" in note for note in found.notes)
     assert_readable(found.plot())
 
 
