@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.studies.mikkelsen2025 import Reproduction
 
 
@@ -43,6 +44,12 @@ def test_the_reproduction_gives_its_numbers_beside_the_printed_ones(dtc: nw.Mode
     assert told["eigenvalues"]["without"][0][0] == pytest.approx(0.163, abs=0.001)
     assert sum(row["ours"] for row in told["shapley"] if row["name"].startswith("b_")) == pytest.approx(1.0, abs=0.05)
     assert told["notes"] == paper.notes
+    sailed = replace(paper, voyages={y: nw.simulate(dtc, y, 1.0, duration=5.0) for y in (0.5, 1.0)})
+    paths, distances = paths_figure(sailed).axes[0], distances_figure(sailed).axes[0]
+    assert sum(len(line.get_xdata()) == len(sailed.voyages[0.5].t) for line in paths.lines) == 2
+    edge = (7.0 - 0.572) / 2
+    np.testing.assert_allclose(distances.lines[0].get_xdata(), edge - starts)
+    np.testing.assert_allclose(distances.lines[0].get_ydata(), readings["corners"]["distance"])
 
 
 def switch(model: nw.Model, **options) -> float:

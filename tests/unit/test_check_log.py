@@ -46,6 +46,17 @@ def test_faults_that_do_no_harm_hide_none_that_does(harms: tuple[int, ...], monk
     assert found == [0, *(place for place in harms[:1] if place)]
 
 
+def test_a_compass_that_stands_still_is_found_at_its_time() -> None:
+    spoil, check, remedy = FAULTS["a compass that is stuck"]
+    record = zigzag().between(0.0, 300.0)
+    found = nw.check_log([spoil(record)], kvlcc2())
+    assert {own.check for own in found} == {check}, found.summary()
+    assert remedy in found.findings[0].remedy
+    begin, end = (f"{record.start + share * 300:.0f}" for share in (1 / 3, 2 / 3))
+    assert f"from t = {begin}" in found.findings[0].sentence
+    assert f"to {end}" in found.findings[0].sentence
+
+
 def test_nothing_is_found_where_nothing_is() -> None:
     found = nw.check_log([zigzag().between(0.0, 150.0)], kvlcc2())
     assert len(found) == 0, found.summary()

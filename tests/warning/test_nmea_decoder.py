@@ -100,6 +100,13 @@ def test_an_echo_sounder_says_from_where_it_sounds() -> None:
     assert heard(lines[0]).depth == pytest.approx(14.0)
 
 
+def test_a_magnetic_heading_needs_the_variation() -> None:
+    """98.3 degrees by a compass that deviates 1 degree east, where north is 12.6 degrees west of true north."""
+    (one,) = understood(sentence("HCHDG,98.3,1.0,E,12.6,W"))
+    assert one["heading"] == {"heading": pytest.approx(math.radians(86.7))}
+    assert not any(any(one.values()) for one in understood(sentence("HCHDG,98.3,1.0,E,,")))
+
+
 def test_what_ais_stands_for_none_is_not_told() -> None:
     unknown = {"lon": 181.0, "lat": 91.0, "speed": 102.3, "course": 360.0, "heading": 511, "turn": -128.0}
     assert not any(any(one.values()) for one in understood(*ais("VDO", 244000000, **unknown)))
