@@ -21,6 +21,7 @@ from narrows.model.term import TermTable
 from narrows.ship.actuators import MODEL_SECTIONS
 from narrows.ship.particulars import given_values
 from narrows.ship.ship_file import (
+    NEEDED,
     actuator_sections,
     assumptions,
     check_table,
@@ -29,7 +30,7 @@ from narrows.ship.ship_file import (
     section_of,
 )  # fmt: skip
 
-PARTS = ("ship", "canal", "water")
+PARTS = tuple(NEEDED)
 REQUIRED = (*PARTS, "terms", "coefficients")
 
 

@@ -10,7 +10,7 @@ from narrows.base.aliases import accept_aliases
 from narrows.base.errors import InputError, did_you_mean, path_of, shown
 from narrows.base.files import reading
 from narrows.quantities.names import PARTICULARS
-from narrows.ship.actuators import Actuator, Part, with_standard
+from narrows.ship.actuators import SHIP_SECTIONS, Actuator, Part, with_standard
 from narrows.ship.particulars import Canal, Configuration, Configured, Ship, Water
 
 # Sections of every configuration; defaults are used if they are absent.
@@ -71,7 +71,7 @@ def load_toml(path: str | Path) -> dict[str, Any]:
 def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable[Actuator] = ()) -> Configuration:
     """Make a Configuration of the [ship], [canal], [water], [depths] and actuators' tables of a file."""
     sections = actuator_sections(actuators)
-    known = {*NEEDED, *sections, "depths"}
+    known = {*SHIP_SECTIONS, *sections}
     if "coefficients" in tables:  # A model file, which has the sections of its ship
         tables = {name: tables[name] for name in known & tables.keys()}
     for name, table in tables.items():

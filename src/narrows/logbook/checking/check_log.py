@@ -225,12 +225,12 @@ def check_log(
     log = log_records(log, waterway)
     water = getattr(log, "waterway", None) if waterway is None else waterway
     findings, good, count = list[Finding](), list[Checked](), 0
+    between = [check for check in RECORD_CHECKS if check not in (check_clock, check_place)]
     for whole in log:
         count += 1
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         try:
             at = Checked(record, model, water, model.configuration.ship.length / speed_of(record))
-            between = [check for check in RECORD_CHECKS if check not in (check_clock, check_place)]
             found = list(check_clock(at)) or [one for check in between for one in check(at)]
         except InputError as error:
             words = str(error)
